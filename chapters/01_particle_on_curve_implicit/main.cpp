@@ -1,0 +1,60 @@
+// Chapter 1: a particle on a curve, held there by the force that its constraint asks for.
+//
+// The particle has two coordinates, the curve takes one away: C(x, y) = x² + 2py = 0. The model
+// computes the one force along ∇C that keeps C̈ = 0; see parabola/implicit_bead.hpp.
+
+#include "exact.hpp"
+#include "parabola/implicit_bead.hpp"
+#include "program/chapter.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "pictures.hpp"
+#endif
+
+int main(int argc, char** argv) {
+  using measure::Stabilization;
+  parabola::Scene scene;
+  program::Chapter chapter;
+  chapter.directory = "01_particle_on_curve_implicit";
+  chapter.title = "Particle on a curve, implicit";
+
+  chapter.parameters = {
+      {"--x0", "m", "start, at rest", &scene.x0, program::any},
+      {"--mass", "kg", "mass of the particle", &scene.mass, program::positive},
+      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative},
+      {"--p", "m", "half the parameter of the parabola x² + 2py = 0", &scene.p, program::positive},
+      {"--force-x", "N", "constant horizontal force", &scene.force_x, program::any},
+  };
+  chapter.defaults = {.duration = 20.0, .step = 0.01};
+  chapter.constraint_unit = "m²";
+
+  chapter.start = [&scene](const measure::Method& method) {
+    return std::make_unique<measure::Motion<parabola::ImplicitBead>>(
+        parabola::ImplicitBead(scene, method.ks, method.kd), method);
+  };
+
+  chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}, {"constraint force", "N"}};
+  chapter.errors = [&scene](const measure::Row& row) {
+    return particle_on_curve::errors(scene, row);
+  };
+
+  using enum integrators::Name;
+  chapter.ladder = {.methods = {{explicit_euler},
+                                {semi_implicit_euler},
+                                {rk4},
+                                {rk4, Stabilization::feedback, 4.0, 4.0},
+                                {rk4, Stabilization::projection}},
+                    .duration = 10.0,
+                    .coarsest = 0.5,
+                    .rungs = 16};
+
+#ifdef TUTORIAL_PICTURES
+  chapter.pictures = [&scene](const program::RunOptions& run) {
+    return particle_on_curve::pictures(scene, run);
+  };
+  chapter.picture_at = [&scene](const program::RunOptions& run, double t) {
+    return particle_on_curve::picture_at(scene, run, t);
+  };
+#endif
+  return program::run_chapter(argc, argv, chapter);
+}

@@ -1,0 +1,227 @@
+#include "pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "draw/canvas.hpp"
+#include "draw/page.hpp"
+#include "erratum.hpp"
+#include "parabola/exact.hpp"
+#include "parabola/implicit_bead.hpp"
+#include "parabola/pictures.hpp"
+
+namespace particle_on_curve {
+namespace {
+
+using draw::Canvas;
+using Eigen::Vector2d;
+using measure::Stabilization;
+using parabola::ImplicitBead;
+using parabola::point;
+using parabola::Scene;
+using program::Picture;
+using program::RunOptions;
+
+using Motion = measure::Motion<ImplicitBead>;
+
+Motion motion(const Scene& scene, const measure::Method& method) {
+  return {ImplicitBead(scene, method.ks, method.kd), method};
+}
+
+struct Instant {
+  double t;
+  Vector2d x, v, constraint_force;
+};
+
+Instant now(const Scene& scene, const Motion& motion) {
+  return {motion.time(), motion.q(), motion.v(),
+          motion.model().constraint_force(motion.q(), motion.v(), scene.applied_force())};
+}
+
+/// Moves on to the step nearest to t.
+void advance_to(Motion& motion, double t, double step) {
+  const long steps = std::lround((t - motion.time()) / step);
+  if (steps > 0) motion.advance(steps, step);
+}
+
+void draw_forces(Canvas& canvas, const Scene& scene, const Instant& instant,
+                 double metres_per_newton) {
+  const auto& theme = canvas.theme();
+  const auto arrow = [&](const Vector2d& force, draw::Color color, const std::string& name) {
+    canvas.arrow(point(instant.x), point(metres_per_newton * force), color,
+                 fmt::format("{} {:.2f} N", name, force.norm()));
+  };
+  arrow({0.0, scene.applied_force().y()}, theme.weight, "weight");
+  if (scene.force_x != 0.0) arrow({scene.force_x, 0.0}, theme.applied_force, "applied force");
+  arrow(instant.constraint_force, theme.constraint_force, "constraint force λ∇C");
+}
+
+/// Metres for a newton, so that the larger of the forces is drawn a given part of the view long.
+double force_scale(const Scene& scene, double largest_constraint_force, const draw::View& view,
+                   double part) {
+  const double largest = std::max(largest_constraint_force, scene.applied_force().norm());
+  const double side = std::max(view.right - view.left, view.bottom - view.top);
+  return largest > 0.0 ? part * side / largest : 0.0;
+}
+
+Picture scene_picture(const Scene& scene, const RunOptions& run) {
+  const Motion start = motion(scene, {});
+  const Instant instant = now(scene, start);
+  const draw::View view = parabola::view(scene, {scene, run.duration}, 0.1, 0.1);
+  const double scale = force_scale(scene, instant.constraint_force.norm(), view, 0.28);
+  const Vector2d sum = scene.applied_force() + instant.constraint_force;
+  const std::string caption = fmt::format(
+      "At rest at x = {:g} m. The forces on the particle add up to {:.2f} N along the curve: it "
+      "starts to slide.",
+      scene.x0, sum.norm());
+  return {"scene", [=](draw::Pen& pen) {
+            Canvas canvas(pen, draw::page(pen, "A particle on the curve x² + 2py = 0", caption),
+                          view);
+            canvas.axes("m");
+            parabola::draw_track(canvas, scene, view);
+            canvas.origin({0.0, 0.0});
+            const double x = scene.x0 == 0.0 ? 0.4 * view.right : -0.55 * scene.x0;
+            canvas.label(
+                {x, scene.height(x)}, fmt::format("C(x, y) = x² + 2py = 0,  p = {:g} m", scene.p),
+                canvas.theme().track, draw::Font::bold,
+                x < 0.0 ? draw::Align::left : draw::Align::right, {x < 0.0 ? 16.0 : -16.0, -8.0});
+            canvas.arrow(point(instant.x), point(scale * sum), canvas.theme().muted,
+                         fmt::format("sum {:.2f} N", sum.norm()));
+            draw_forces(canvas, scene, instant, scale);
+            parabola::draw_bead(canvas, instant.x);
+          }};
+}
+
+/// Half a period, or the run where there is none, in `exposures` instants.
+Picture motion_picture(const Scene& scene, const RunOptions& run) {
+  const double half = std::min(0.5 * parabola::ExactMotion(scene).period(), run.duration);
+  constexpr int exposures = 11;
+  Motion particle = motion(scene, run.method);
+  std::vector<Instant> instants;
+  double largest = 0.0;
+  for (int i = 0; i < exposures; ++i) {
+    advance_to(particle, half * i / (exposures - 1), run.step);
+    instants.push_back(now(scene, particle));
+    largest = std::max(largest, instants.back().constraint_force.norm());
+  }
+  const draw::View view = parabola::view(scene, {scene, half}, 0.06, 0.07);
+  const double scale = force_scale(scene, largest, view, 0.22);
+  const Instant& middle = instants[exposures / 2];
+  const double weight = scene.applied_force().y();
+  std::string caption = fmt::format("At t = {:.2f} s the curve carries {:.2f} N", middle.t,
+                                    middle.constraint_force.norm());
+  if (weight > 0.0)
+    caption += fmt::format(", {:.2f} times the weight", middle.constraint_force.norm() / weight);
+  caption += fmt::format(" ({}, step {:g} s).", run.method.label(), run.step);
+  return {
+      "motion", [=](draw::Pen& pen) {
+        const draw::Rect content = draw::page(
+            pen, fmt::format("{} exposures, from t = 0 to t = {:.2f} s", exposures, half), caption);
+        Canvas canvas(pen, content, view);
+        canvas.axes("m");
+        parabola::draw_track(canvas, scene, view);
+        for (std::size_t i = 0; i < instants.size(); ++i) {
+          const Instant& instant = instants[i];
+          canvas.arrow(point(instant.x), point(scale * instant.constraint_force),
+                       canvas.theme().constraint_force);
+          parabola::draw_bead(canvas, instant.x,
+                              0.35 + 0.65 * static_cast<double>(i) / (exposures - 1));
+          const double side = instant.x.x() > 1e-9 * scene.x0 ? 1.0 : -1.0;
+          canvas.label(point(instant.x), fmt::format("{:.1f} s", instant.t), canvas.theme().muted,
+                       draw::Font::small, side > 0.0 ? draw::Align::left : draw::Align::right,
+                       {12.0 * side, 12.0});
+        }
+        canvas.label({0.5 * (view.left + view.right), view.top}, "arrows: constraint force λ∇C",
+                     canvas.theme().constraint_force, draw::Font::bold, draw::Align::center,
+                     {0.0, 16.0});
+      }};
+}
+
+program::Drift drift(const Scene& scene, const measure::Method& method, double duration,
+                     double step) {
+  Motion particle = motion(scene, method);
+  return program::drift(method.label(), particle, duration, step);
+}
+
+Picture drift_picture(const Scene& scene, const RunOptions& run) {
+  std::vector<program::Drift> drifts;
+  for (const auto& method : integrators::methods)
+    drifts.push_back(drift(scene, {.integrator = method.name}, run.duration, run.step));
+  const std::string caption = fmt::format(
+      "No stabilization, step {:g} s, {:g} s: explicit Euler strays to |C| = {} m², "
+      "RK4 to {} m².",
+      run.step, run.duration, program::figure(drifts.front().largest_constraint_error),
+      program::figure(drifts.back().largest_constraint_error));
+  return program::drift_picture("drift", "How three methods leave the curve", caption, drifts,
+                                "m²");
+}
+
+Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
+  const double step = 20.0 * run.step;  // coarse enough that RK4 has something to correct
+  std::vector<program::Drift> drifts;
+  for (const measure::Method& method :
+       {measure::Method{},
+        measure::Method{integrators::Name::rk4, Stabilization::feedback, 4.0, 4.0},
+        measure::Method{integrators::Name::rk4, Stabilization::projection}})
+    drifts.push_back(drift(scene, method, run.duration, step));
+  const std::string caption = fmt::format(
+      "RK4 with a coarse step of {:g} s: largest |C| {} m² alone, {} m² with feedback (ks "
+      "= 4, kd = 4), "
+      "rounding with projection.",
+      step, program::figure(drifts[0].largest_constraint_error),
+      program::figure(drifts[1].largest_constraint_error));
+  return program::drift_picture("stabilization", "Holding the drift down", caption, drifts, "m²");
+}
+
+Picture erratum_picture(Scene scene, const RunOptions& run) {
+  if (scene.force_x == 0.0) scene.force_x = 5.0;
+  measure::Motion<AsPrinted> printed(AsPrinted(scene), {});
+  Motion right = motion(scene, {});
+  const std::vector<program::Drift> drifts{
+      program::drift("100·x·Fx, as printed", printed, run.duration, run.step),
+      program::drift("50·x·Fx, as derived", right, run.duration, run.step)};
+  const std::string caption = fmt::format(
+      "With a horizontal force of {:g} N the printed formula strays to |C| = {} m², the "
+      "derived one to {} m².",
+      scene.force_x, program::figure(drifts[0].largest_constraint_error),
+      program::figure(drifts[1].largest_constraint_error));
+  return program::drift_picture("erratum", "The article's misprint, exposed by a horizontal force",
+                                caption, drifts, "m²");
+}
+
+}  // namespace
+
+std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
+  return {scene_picture(scene, run), motion_picture(scene, run), drift_picture(scene, run),
+          stabilization_picture(scene, run), erratum_picture(scene, run)};
+}
+
+Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
+  Motion particle = motion(scene, run.method);
+  std::vector<draw::Point> trail{point(particle.q())};
+  constexpr int pieces = 400;
+  for (int i = 1; i <= pieces; ++i) {
+    advance_to(particle, t * i / pieces, run.step);
+    trail.push_back(point(particle.q()));
+  }
+  const Instant instant = now(scene, particle);
+  const draw::View view = parabola::view(scene, {scene, std::max(t, run.duration)}, 0.1, 0.12);
+  const double scale = force_scale(scene, instant.constraint_force.norm(), view, 0.2);
+  const std::string caption = fmt::format(
+      "t = {:.3f} s: x = {:.3f} m, speed {:.3f} m/s, |C| = {} m² ({}, step {:g} s).", instant.t,
+      instant.x.x(), instant.v.norm(), program::figure(particle.measures().constraint_error),
+      run.method.label(), run.step);
+  return {fmt::format("at_{:g}s", t), [=](draw::Pen& pen) {
+            Canvas canvas(pen, draw::page(pen, "A particle on the curve x² + 2py = 0", caption),
+                          view);
+            canvas.axes("m");
+            parabola::draw_track(canvas, scene, view);
+            canvas.curve(trail, canvas.theme().velocity, 2.0, draw::Dash::dotted);
+            draw_forces(canvas, scene, instant, scale);
+            parabola::draw_bead(canvas, instant.x);
+          }};
+}
+
+}  // namespace particle_on_curve

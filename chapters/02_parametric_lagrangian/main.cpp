@@ -1,0 +1,56 @@
+// Chapter 2: the same particle, described by the one coordinate that it really has.
+//
+// With q the way along x, the curve is built into the coordinates: no constraint, no constraint
+// force, no drift off the curve. See parametric_bead.hpp for the equation of motion.
+
+#include "exact.hpp"
+#include "parametric_bead.hpp"
+#include "program/chapter.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "pictures.hpp"
+#endif
+
+int main(int argc, char** argv) {
+  parabola::Scene scene;
+  program::Chapter chapter;
+  chapter.directory = "02_parametric_lagrangian";
+  chapter.title = "Particle on a curve, parametric Lagrangian";
+
+  chapter.parameters = {
+      {"--x0", "m", "start, at rest", &scene.x0, program::any},
+      {"--mass", "kg", "mass of the particle", &scene.mass, program::positive},
+      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative},
+      {"--p", "m", "half the parameter of the parabola x² + 2py = 0", &scene.p, program::positive},
+      {"--force-x", "N", "constant horizontal force", &scene.force_x, program::any},
+  };
+  chapter.defaults = {.duration = 20.0, .step = 0.01};
+  chapter.has_constraints = false;
+  chapter.constraint_unit = "m²";
+
+  using parametric_lagrangian::ParametricBead;
+  chapter.start = [&scene](const measure::Method& method) {
+    return std::make_unique<measure::Motion<ParametricBead>>(ParametricBead(scene), method);
+  };
+
+  chapter.quantities = {{"q", "m"}, {"dq/dt", "m/s"}};
+  chapter.errors = [&scene](const measure::Row& row) {
+    return parametric_lagrangian::errors(scene, row);
+  };
+
+  using enum integrators::Name;
+  chapter.ladder = {.methods = {{explicit_euler}, {semi_implicit_euler}, {rk4}},
+                    .duration = 10.0,
+                    .coarsest = 0.5,
+                    .rungs = 16};
+
+#ifdef TUTORIAL_PICTURES
+  chapter.pictures = [&scene](const program::RunOptions& run) {
+    return parametric_lagrangian::pictures(scene, run);
+  };
+  chapter.picture_at = [&scene](const program::RunOptions& run, double t) {
+    return parametric_lagrangian::picture_at(scene, run, t);
+  };
+#endif
+  return program::run_chapter(argc, argv, chapter);
+}

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "measure/simulation.hpp"
+#include "parabola/scene.hpp"
+
+namespace parametric_lagrangian {
+
+/// The particle by its one degree of freedom: x(q) = (q, −q²/2p). It cannot leave the curve.
+///
+///     T = ½ m q̇² (1 + q²/p²)            kinetic energy, from ẋ = (1, −q/p) q̇
+///     V = m g q²/2p − Fx q              potential energy of weight and horizontal force
+///     d/dt ∂L/∂q̇ = ∂L/∂q,  L = T − V    Lagrange's equation; it gives
+///
+///     q̈ = (−q q̇² − p g q + p² Fx/m) / (p² + q²)
+class ParametricBead {
+ public:
+  using Vector = double;  // one coordinate is the whole state
+
+  explicit ParametricBead(const parabola::Scene& scene) : scene_(scene) {}
+
+  // [acceleration]
+  void acceleration(double, double q, double qdot, double& qddot) const {
+    const auto& [x0, m, g, p, Fx] = scene_;
+    qddot = (-q * qdot * qdot - p * g * q + p * p * Fx / m) / (p * p + q * q);
+  }
+  // [acceleration]
+
+  Eigen::Vector2d x(double q) const { return {q, scene_.height(q)}; }
+  Eigen::Vector2d v(double q, double qdot) const { return {qdot, -q / scene_.p * qdot}; }
+
+  /// The force of the curve [N]: what the motion takes beyond the applied force, m ẍ − F.
+  Eigen::Vector2d constraint_force(double q, double qdot) const {
+    double qddot = 0.0;
+    acceleration(0.0, q, qdot, qddot);
+    const Eigen::Vector2d xddot(qddot, -(qdot * qdot + q * qddot) / scene_.p);
+    return scene_.mass * xddot - scene_.applied_force();
+  }
+
+  double initial_position() const { return scene_.x0; }
+  double initial_velocity() const { return 0.0; }
+
+  /// The constraint of chapter 1 and its rate, asked of this particle: nothing but rounding.
+  measure::Measures measures(double, double q, double qdot) const {
+    const Eigen::Vector2d x = this->x(q), v = this->v(q, qdot);
+    const double p = scene_.p;
+    return {scene_.energy(x, v), std::abs(x.x() * x.x() + 2.0 * p * x.y()),
+            std::abs(2.0 * x.x() * v.x() + 2.0 * p * v.y())};
+  }
+
+  measure::Columns columns() const {
+    return {{"q", "qdot", "particle.x", "particle.y", "particle.vx", "particle.vy"},
+            {"particle_curve.fx", "particle_curve.fy", "particle_curve.moment"}};
+  }
+
+  void observe(double, double q, double qdot, measure::Row& row) const {
+    const Eigen::Vector2d x = this->x(q), v = this->v(q, qdot);
+    row.state = {q, qdot, x.x(), x.y(), v.x(), v.y()};
+    const Eigen::Vector2d force = constraint_force(q, qdot);
+    row.reactions = {force.x(), force.y(), 0.0};
+  }
+
+ private:
+  parabola::Scene scene_;
+};
+
+}  // namespace parametric_lagrangian

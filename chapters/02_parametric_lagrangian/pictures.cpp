@@ -1,0 +1,200 @@
+#include "pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "draw/canvas.hpp"
+#include "draw/page.hpp"
+#include "parabola/exact.hpp"
+#include "parabola/implicit_bead.hpp"
+#include "parabola/pictures.hpp"
+#include "parametric_bead.hpp"
+
+namespace parametric_lagrangian {
+namespace {
+
+using draw::Canvas;
+using Eigen::Vector2d;
+using parabola::ImplicitBead;
+using parabola::point;
+using parabola::Scene;
+using program::Picture;
+using program::RunOptions;
+
+using Implicit = measure::Motion<ImplicitBead>;
+using Parametric = measure::Motion<ParametricBead>;
+
+Vector2d place(const Implicit& motion) { return motion.q(); }
+Vector2d place(const Parametric& motion) { return motion.model().x(motion.q()); }
+
+/// Where a particle went, and how far it strayed.
+struct Trail {
+  std::vector<draw::Point> points;
+  Vector2d end;
+  double off_curve;     ///< |C| at the end [m²]
+  double energy_error;  ///< at the end [J]
+};
+
+template <class Motion>
+Trail trail(Motion motion, double duration, double step) {
+  Trail result{{point(place(motion))}, {}, 0.0, 0.0};
+  const double initial_energy = motion.measures().energy;
+  const long steps = std::lround(duration / step), window = std::max(1L, steps / 4000);
+  for (long done = 0; done < steps; done += window) {
+    motion.advance(std::min(window, steps - done), step);
+    result.points.push_back(point(place(motion)));
+  }
+  const measure::Measures now = motion.measures();
+  result.end = place(motion);
+  result.off_curve = now.constraint_error;
+  result.energy_error = now.energy - initial_energy;
+  return result;
+}
+
+struct Pair {
+  Trail implicit, parametric;
+};
+
+Pair pair(const Scene& scene, integrators::Name integrator, double duration, double step) {
+  const measure::Method method{.integrator = integrator};
+  return {trail(Implicit(ImplicitBead(scene), method), duration, step),
+          trail(Parametric(ParametricBead(scene), method), duration, step)};
+}
+
+/// One panel: the track, the trail, the particle where it is and, as a ring, where it should be.
+void draw_panel(draw::Pen& pen, const draw::Rect& area, const draw::View& view, const Scene& scene,
+                const Trail& trail, const Vector2d& exact, const std::string& title) {
+  pen.text({area.left, area.top + 9.0}, title, pen.theme().ink, draw::Font::bold);
+  pen.text({area.left, area.top + 27.0},
+           fmt::format("|C| = {} m²,  energy error {} J", program::figure(trail.off_curve),
+                       program::figure(std::abs(trail.energy_error))),
+           pen.theme().muted, draw::Font::small);
+  Canvas canvas(pen, {area.left, area.top + 38.0, area.width, area.height - 38.0}, view);
+  canvas.axes("m");
+  parabola::draw_track(canvas, scene, view);
+  canvas.curve(trail.points, canvas.theme().velocity, 1.4);
+  canvas.bead(point(exact), 10.0, draw::transparent, canvas.theme().constraint_force);
+  parabola::draw_bead(canvas, trail.end);
+}
+
+/// A row a method, implicit left, parametric right.
+void draw_rows(draw::Pen& pen, const draw::Rect& content, const Scene& scene,
+               const std::vector<std::pair<std::string, Pair>>& rows, double duration) {
+  draw::View view = parabola::view(scene, {scene, duration}, 0.03, 0.06);
+  for (const auto& [name, row] : rows)
+    for (const Trail* trail : {&row.implicit, &row.parametric})
+      for (const draw::Point& p : trail->points)
+        view = {std::min(view.left, p.x), std::min(view.top, p.y), std::max(view.right, p.x),
+                std::max(view.bottom, p.y)};
+  const double margin = 0.03 * (view.right - view.left);
+  view = {view.left - margin, view.top - margin, view.right + margin, view.bottom + margin};
+  const auto [q, qdot] = parabola::ExactMotion(scene).at(duration);
+  const Vector2d exact(q, scene.height(q));
+  const double gap = 24.0, width = 0.5 * (content.width - gap);
+  const double height = (content.height - 14.0 * static_cast<double>(rows.size() - 1)) /
+                        static_cast<double>(rows.size());
+  double top = content.top;
+  for (const auto& [name, row] : rows) {
+    draw_panel(pen, {content.left, top, width, height}, view, scene, row.implicit, exact,
+               "implicit, " + name);
+    draw_panel(pen, {content.left + width + gap, top, width, height}, view, scene, row.parametric,
+               exact, "parametric, " + name);
+    top += height + 14.0;
+  }
+}
+
+Picture scene_picture(const Scene& scene, const RunOptions& run) {
+  const draw::View view = parabola::view(scene, {scene, run.duration}, 0.1, 0.12);
+  const ParametricBead bead(scene);
+  const Vector2d x = bead.x(scene.x0);
+  const std::string caption = fmt::format(
+      "At x = {:g} m a step of 1 m in q is a way of {:.2f} m along the curve: the inertia of q is "
+      "m(1 + q²/p²).",
+      scene.x0, bead.v(scene.x0, 1.0).norm());
+  return {"scene", [=](draw::Pen& pen) {
+            Canvas canvas(
+                pen, draw::page(pen, "One coordinate q for one degree of freedom", caption), view);
+            canvas.axes("m");
+            parabola::draw_track(canvas, scene, view);
+            canvas.origin({0.0, 0.0});
+            const double top = view.top + 0.04 * (view.bottom - view.top);
+            const std::vector<draw::Point> down{{x.x(), x.y()}, {x.x(), 0.0}};
+            canvas.curve(down, canvas.theme().muted, 1.2, draw::Dash::dashed);
+            canvas.arrow({0.0, 0.0}, {x.x(), 0.0}, canvas.theme().velocity, "");
+            canvas.label({0.5 * x.x(), 0.0}, fmt::format("q = {:g} m", scene.x0),
+                         canvas.theme().velocity, draw::Font::bold, draw::Align::center,
+                         {0.0, 16.0});
+            canvas.label({0.0, top}, "x(q) = (q, −q²/2p)", canvas.theme().track, draw::Font::bold,
+                         draw::Align::center);
+            parabola::draw_bead(canvas, x);
+          }};
+}
+
+Picture motion_picture(const Scene& scene, const RunOptions& run) {
+  const double duration = 3.0 * run.duration, step = 10.0 * run.step;
+  const std::vector<std::pair<std::string, Pair>> rows{
+      {"explicit Euler", pair(scene, integrators::Name::explicit_euler, duration, step)},
+      {"RK4", pair(scene, integrators::Name::rk4, duration, step)}};
+  const double q = parabola::ExactMotion(scene).at(duration).q;
+  const auto off = [&](const Trail& trail) {
+    return (trail.end - Vector2d(q, scene.height(q))).norm();
+  };
+  const std::string caption = fmt::format(
+      "Trails over {:g} s with a step of {:g} s; the ring is the exact place. Explicit Euler ends "
+      "{:.0f} m off with the "
+      "implicit particle and {:.0f} m with the parametric one, RK4 {} m and {} m.",
+      duration, step, off(rows[0].second.implicit), off(rows[0].second.parametric),
+      program::figure(off(rows[1].second.implicit)),
+      program::figure(off(rows[1].second.parametric)));
+  return {"motion", [=](draw::Pen& pen) {
+            const draw::Rect content =
+                draw::page(pen, "Two descriptions, two integrators", caption);
+            draw_rows(pen, content, scene, rows, duration);
+          }};
+}
+
+Picture drift_picture(const Scene& scene, const RunOptions& run) {
+  std::vector<program::Drift> drifts;
+  std::vector<draw::Dash> dashes;
+  std::vector<int> colors;
+  for (int i = 0; const auto& method : integrators::methods) {
+    Implicit implicit(ImplicitBead(scene), {.integrator = method.name});
+    Parametric parametric(ParametricBead(scene), {.integrator = method.name});
+    const std::string name(method.text);
+    drifts.push_back(program::drift("implicit, " + name, implicit, run.duration, run.step));
+    drifts.push_back(program::drift("parametric, " + name, parametric, run.duration, run.step));
+    dashes.insert(dashes.end(), {draw::Dash::solid, draw::Dash::dashed});
+    colors.insert(colors.end(), {i, i});
+    ++i;
+  }
+  const std::string caption = fmt::format(
+      "RK4, step {:g} s, {:g} s: the implicit particle strays to |C| = {} m², the "
+      "parametric one only by rounding; "
+      "both energies drift, by {} J and {} J.",
+      run.step, run.duration, program::figure(drifts[4].largest_constraint_error),
+      program::figure(drifts[4].largest_energy_error),
+      program::figure(drifts[5].largest_energy_error));
+  return program::drift_picture("drift", "What each description lets go", caption, drifts, "m²",
+                                dashes, colors);
+}
+
+}  // namespace
+
+std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
+  return {scene_picture(scene, run), motion_picture(scene, run), drift_picture(scene, run)};
+}
+
+Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
+  const std::string name(integrators::method(run.method.integrator).text);
+  const Pair both = pair(scene, run.method.integrator, t, run.step);
+  const std::string caption =
+      fmt::format("t = {:g} s, step {:g} s; the ring is the exact place.", t, run.step);
+  return {fmt::format("at_{:g}s", t), [=](draw::Pen& pen) {
+            draw_rows(pen, draw::page(pen, "The same motion in two descriptions", caption), scene,
+                      {{name, both}}, t);
+          }};
+}
+
+}  // namespace parametric_lagrangian

@@ -1,0 +1,176 @@
+#include <Eigen/Core>
+#include <cmath>
+#include <random>
+
+#include "allocations.hpp"
+#include "catch.hpp"
+#include "exact.hpp"
+#include "measure/ladder.hpp"
+#include "parabola/implicit_bead.hpp"
+#include "parametric_bead.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "picture_check.hpp"
+#include "pictures.hpp"
+#endif
+
+using Eigen::Vector2d;
+using measure::Method;
+using measure::Motion;
+using parabola::ImplicitBead;
+using parabola::Scene;
+using parametric_lagrangian::ParametricBead;
+
+namespace {
+
+Motion<ParametricBead> motion(const Scene& scene, const Method& method = {}) {
+  return {ParametricBead(scene), method};
+}
+
+/// Scenes and states of all sorts.
+struct Random {
+  std::mt19937 generator{3};
+  double operator()() { return std::uniform_real_distribution<double>(-10, 10)(generator); }
+  Scene scene() {
+    return {.x0 = (*this)(),
+            .mass = 0.1 + std::abs((*this)()),
+            .gravity = std::abs((*this)()),
+            .p = 0.2 + std::abs((*this)()),
+            .force_x = (*this)()};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the equation of motion is Lagrange's: d/dt ∂L/∂q̇ = ∂L/∂q, by finite differences of L") {
+  Random number;
+  for (int i = 0; i < 100; ++i) {
+    const Scene scene = number.scene();
+    const double q = number(), qdot = number();
+    const auto L = [&](double at, double rate) {
+      const auto& [x0, m, g, p, Fx] = scene;
+      return m * rate * rate * (1 + at * at / (p * p)) / 2 - m * g * at * at / (2 * p) + Fx * at;
+    };
+    // L is quadratic in q̇ and in q: central differences are exact but for rounding.
+    const double h = 0.01;
+    const double L_q = (L(q + h, qdot) - L(q - h, qdot)) / (2 * h);
+    const double L_vv = (L(q, qdot + h) - 2 * L(q, qdot) + L(q, qdot - h)) / (h * h);
+    const double L_vq =
+        (L(q + h, qdot + h) - L(q - h, qdot + h) - L(q + h, qdot - h) + L(q - h, qdot - h)) /
+        (4 * h * h);
+    double qddot = 0;
+    ParametricBead(scene).acceleration(0, q, qdot, qddot);
+    const double scale = std::abs(L_vv * qddot) + std::abs(L_vq * qdot) + std::abs(L_q);
+    CHECK(std::abs(L_vv * qddot + L_vq * qdot - L_q) <= 1e-7 * scale);
+  }
+}
+
+TEST_CASE("both descriptions have the same acceleration and the same constraint force") {
+  Random number;
+  for (int i = 0; i < 100; ++i) {
+    const Scene scene = number.scene();
+    const ParametricBead parametric(scene);
+    const ImplicitBead implicit(scene);
+    const double q = number(), qdot = number();
+    const Vector2d x = parametric.x(q), v = parametric.v(q, qdot);
+    double qddot = 0;
+    parametric.acceleration(0, q, qdot, qddot);
+    Vector2d a;
+    implicit.acceleration(0, x, v, a);
+    CHECK(qddot == Approx(a.x()).epsilon(1e-10).margin(1e-10));
+    const Vector2d force = implicit.constraint_force(x, v, scene.applied_force());
+    CHECK((parametric.constraint_force(q, qdot) - force).norm() <= 1e-10 * (1 + force.norm()));
+  }
+}
+
+TEST_CASE("the particle is on the curve to rounding, whatever the integrator does") {
+  for (const auto& method : integrators::methods) {
+    Motion<ParametricBead> bead = motion({}, {.integrator = method.name});
+    for (int i = 0; i < 100; ++i) {
+      bead.advance(1, 0.3);
+      const double q = bead.q();
+      CHECK(bead.measures().constraint_error <= 4e-16 * q * q);
+      CHECK(bead.measures().velocity_error <= 1e-15 * (1.0 + std::abs(q * bead.v())));
+    }
+  }
+}
+
+TEST_CASE(
+    "q and dq/dt converge with the order of the integrator, with and without a horizontal force") {
+  for (const double force_x : {0.0, 5.0}) {
+    const Scene scene{.force_x = force_x};
+    const auto rungs = measure::climb(
+        {.methods = {{integrators::Name::explicit_euler},
+                     {integrators::Name::semi_implicit_euler},
+                     {integrators::Name::rk4}},
+         .duration = 4.0,
+         .coarsest = 1.0 / 32,
+         .rungs = 9},
+        [&](const Method& method) {
+          return std::make_unique<Motion<ParametricBead>>(motion(scene, method));
+        },
+        [&](const measure::Row& row) { return parametric_lagrangian::errors(scene, row); },
+        [](double, const std::string&) {});
+    const measure::Rung* coarse = nullptr;
+    int compared = 0;
+    for (const auto& rung : rungs) {
+      REQUIRE(rung.errors.size() == 2);
+      if (coarse != nullptr && coarse->method == rung.method && rung.step < 1.0 / 100)
+        for (std::size_t k = 0; k < 2; ++k) {
+          if (rung.errors[k] < 1e-11) continue;
+          INFO(rung.method << ", step " << rung.step << ", quantity " << k << ", Fx " << force_x);
+          CHECK(measure::observed_order(*coarse, rung, k) == Approx(rung.order).margin(0.15));
+          ++compared;
+        }
+      coarse = &rung;
+    }
+    CHECK(compared > 24);
+  }
+}
+
+TEST_CASE("RK4 keeps the energy that explicit Euler feeds and semi-implicit Euler starves") {
+  // The acceleration depends on the velocity here, so semi-implicit Euler is not symplectic in q:
+  // the bounded energy error that it is known for is gone.
+  const auto energy = [](integrators::Name name) {
+    Motion<ParametricBead> bead = motion({}, {.integrator = name});
+    bead.advance(10000, 0.02);
+    return bead.measures().energy;
+  };
+  const double start = motion({}).measures().energy;
+  CHECK(start == Approx(1.0 * 9.81 * 100.0));  // m g h
+  CHECK(energy(integrators::Name::explicit_euler) > 1.1 * start);
+  CHECK(energy(integrators::Name::semi_implicit_euler) < 0.9 * start);
+  CHECK(std::abs(energy(integrators::Name::rk4) - start) < 1e-4 * start);
+}
+
+TEST_CASE("a step allocates nothing") {
+  Motion<ParametricBead> bead = motion({});
+  const long before = allocations();
+  bead.advance(100, 0.01);
+  CHECK(allocations() == before);
+}
+
+#ifdef TUTORIAL_PICTURES
+
+namespace {
+const program::RunOptions defaults{.duration = 20.0, .step = 0.01};
+}
+
+TEST_CASE("the pictures of the lesson are those that the program draws") {
+  picture_check::compare_all("02_parametric_lagrangian",
+                             parametric_lagrangian::pictures({}, defaults));
+}
+
+TEST_CASE("pictures can be drawn of every scene the options allow") {
+  for (const Scene& scene :
+       {Scene{.x0 = 0.0}, Scene{.x0 = 1e6}, Scene{.gravity = 0.0, .force_x = 3.0},
+        Scene{.p = 1e-3, .force_x = -40.0}}) {
+    const program::RunOptions run{.duration = 1.0, .step = 0.01};
+    for (const auto& picture : parametric_lagrangian::pictures(scene, run))
+      CHECK_NOTHROW(draw::render({.scale = 0.5}, picture.draw));
+    CHECK_NOTHROW(draw::render({.width = 480, .height = 300},
+                               parametric_lagrangian::picture_at(scene, run, 0.5).draw));
+  }
+}
+
+#endif

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "draw/pen.hpp"
+
+namespace draw {
+
+/// The part of the world that must be visible, in metres; y down, so top < bottom.
+struct View {
+  double left, top, right, bottom;
+};
+
+/// A scene in world coordinates (metres, x right, y down) on a rectangle of the page, with the same
+/// scale in x and y and `view` in the middle. Nothing is drawn outside the rectangle.
+class Canvas {
+ public:
+  /// Throws std::invalid_argument when the view is empty or not finite.
+  Canvas(Pen& pen, const Rect& area, const View& view);
+  Canvas(const Canvas&) = delete;
+  Canvas& operator=(const Canvas&) = delete;
+  ~Canvas();
+
+  /// A frame with round numbers along the bottom and the left; `unit` of both axes, such as "m".
+  /// Makes room for its numbers and so changes to_page: to be called before anything is drawn,
+  /// else throws std::logic_error.
+  void axes(std::string_view unit);
+
+  Point to_page(double x, double y) const;
+  double points_per_metre() const { return scale_; }
+  const Theme& theme() const { return pen_.theme(); }
+
+  void curve(std::span<const Point> points, Color color, double thickness_points = 1.6,
+             Dash dash = Dash::solid);
+  void disc(Point center, double radius, Color fill, Color edge);
+  void bead(Point center, double radius_points, Color fill, Color edge);
+  /// `angle` in radians, from +x towards +y (clockwise on the page).
+  void box(Point center, double width, double height, double angle, Color fill, Color edge);
+  /// A rod with rounded ends.
+  void link(Point a, Point b, double width_points, Color fill, Color edge);
+  /// From `from` to `from` + `vector`, both in metres. The label stands clear of the shaft.
+  void arrow(Point from, Point vector, Color color, std::string_view label = "");
+  /// `at` in metres, moved by `offset_points` on the page; kept inside the canvas.
+  void label(Point at, std::string_view text, Color color, Font font = Font::text,
+             Align align = Align::left, Point offset_points = {});
+  /// A revolute joint.
+  void pin(Point at);
+  /// A fixed surface below `at`, hatched; turned by `angle` radians.
+  void ground(Point at, double angle = 0, double width_points = 40);
+  /// A round length, at the bottom right.
+  void scale_bar(std::string_view unit);
+  /// A small cross of axes: x to the right, y down.
+  void origin(Point at);
+
+ private:
+  Point page(Point world);
+  void fit(const Rect& area);
+  void text(Point at, std::string_view text, Color color, Font font, Align align);
+
+  Pen& pen_;
+  View view_;
+  Rect area_;
+  double scale_ = 1;
+  bool drawn_ = false;
+};
+
+}  // namespace draw

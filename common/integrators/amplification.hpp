@@ -1,0 +1,43 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "integrators/integrator.hpp"
+
+namespace integrators {
+
+/// The factor by which one step of length h [s] multiplies the worst solution of the test equation
+///
+///     C̈ + kd Ċ + ks C = 0        (ks [1/s²], kd [1/s])
+///
+/// which every constraint error obeys under feedback. Above 1 the error grows from step to step.
+/// One step is linear in (C, Ċ): its 2×2 matrix is found by stepping the two unit states, and the
+/// factor is the larger modulus of its eigenvalues (the spectral radius).
+inline double amplification(Name name, double h, double ks, double kd) {
+  Integrator<double> integrator(name, 0.0);
+  const auto test_equation = [&](double, double C, double Cdot, double& Cddot) {
+    Cddot = -ks * C - kd * Cdot;
+  };
+  double a11 = 1.0, a21 = 0.0, a12 = 0.0, a22 = 1.0;
+  integrator.step(test_equation, 0.0, a11, a21, h);
+  integrator.step(test_equation, 0.0, a12, a22, h);
+  const double half_trace = 0.5 * (a11 + a22);
+  const std::complex<double> root =
+      std::sqrt(std::complex<double>(half_trace * half_trace - (a11 * a22 - a12 * a21)));
+  return std::max(std::abs(half_trace + root), std::abs(half_trace - root));
+}
+
+/// The largest step h [s] at which feedback with these gains does not grow, found by bisection.
+inline double largest_stable_step(Name name, double ks, double kd) {
+  const double rate = std::max(std::sqrt(ks), kd);
+  double stable = 0.0, unstable = 16.0 / rate;  // beyond every method's limit
+  for (int i = 0; i < 60; ++i) {
+    const double h = 0.5 * (stable + unstable);
+    (amplification(name, h, ks, kd) <= 1.0 + 1e-12 ? stable : unstable) = h;
+  }
+  return stable;
+}
+
+}  // namespace integrators

@@ -1,0 +1,108 @@
+#include "measure/ladder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "measure/clock.hpp"
+
+namespace measure {
+namespace {
+
+/// A run is repeated until it has been timed this often and for this long.
+constexpr int least_repeats = 3;
+constexpr double least_seconds = 0.004;
+
+/// The largest errors over a run are looked up at no more than this many evenly spaced times, so
+/// that looking costs less than running; the last state is always among them.
+constexpr long most_looks = 2000;
+
+void look(Simulation& simulation, double initial_energy, Rung& rung) {
+  const Measures now = simulation.measures();
+  rung.constraint_error = std::max(rung.constraint_error, now.constraint_error);
+  rung.energy_error = std::max(rung.energy_error, std::abs(now.energy - initial_energy));
+}
+
+void run_for_errors(Simulation& simulation, const Errors& errors, Rung& rung) {
+  const double initial_energy = simulation.measures().energy;
+  const long stride = std::max(1L, rung.steps / most_looks);
+  for (long done = 0; done < rung.steps;) {
+    const long steps = std::min(stride, rung.steps - done);
+    simulation.advance(steps, rung.step);
+    done += steps;
+    look(simulation, initial_energy, rung);
+  }
+  rung.evaluations = simulation.evaluations();
+  rung.errors = errors(simulation.row());
+}
+
+double run_for_time(Simulation& simulation, const Rung& rung) {
+  double best = std::numeric_limits<double>::infinity(), total = 0.0;
+  for (int repeat = 0; repeat < least_repeats || total < least_seconds; ++repeat) {
+    simulation.restart();
+    const double before = cpu_seconds();
+    simulation.advance(rung.steps, rung.step);
+    const double seconds = cpu_seconds() - before;
+    best = std::min(best, seconds);
+    total += seconds + 1e-6;  // a run too short for the clock must not be repeated for ever
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<Rung> climb(const Ladder& ladder, const Start& start, const Errors& errors,
+                        const Progress& progress) {
+  std::vector<Rung> rungs;
+  double done = 0.0;
+  const double all = static_cast<double>(ladder.methods.size()) * ladder.rungs;
+  for (const Method& method : ladder.methods) {
+    const auto simulation = start(method);
+    double least_error = std::numeric_limits<double>::infinity();
+    int since_least = 0;
+    const long first_steps = std::max(1L, std::lround(ladder.duration / ladder.coarsest));
+    for (int i = 0; i < ladder.rungs; ++i) {
+      Rung rung{
+          method.label(), integrators::method(method.integrator).order, 0, 0, 0, 0, {}, 0, 0, {}};
+      rung.steps = first_steps << i;
+      if (rung.steps > ladder.most_steps) break;
+      rung.step = ladder.duration / static_cast<double>(rung.steps);
+      progress(done++ / all, rung.method);
+      simulation->restart();
+      try {
+        run_for_errors(*simulation, errors, rung);
+        rung.seconds = run_for_time(*simulation, rung);
+      } catch (const Diverged& diverged) {
+        rung.errors.clear();
+        rung.failure = diverged.what();
+      }
+      rungs.push_back(rung);
+      if (rung.errors.empty()) continue;
+      since_least = rung.errors[0] < 0.7 * least_error ? 0 : since_least + 1;
+      least_error = std::min(least_error, rung.errors[0]);
+      if (i >= 7 && since_least >= 1) break;
+    }
+  }
+  progress(1.0, "");
+  return rungs;
+}
+
+double observed_order(const Rung& coarse, const Rung& fine, std::size_t k) {
+  if (coarse.errors.empty() || fine.errors.empty()) return std::numeric_limits<double>::quiet_NaN();
+  return std::log2(coarse.errors[k] / fine.errors[k]) / std::log2(coarse.step / fine.step);
+}
+
+std::vector<std::string> machine() {
+  std::string processor = "unknown";
+  std::ifstream cpuinfo("/proc/cpuinfo");
+  for (std::string line; std::getline(cpuinfo, line);)
+    if (line.starts_with("model name")) {
+      processor = line.substr(line.find(':') + 2);
+      break;
+    }
+  return {"processor: " + processor, "compiler: " TUTORIAL_COMPILER, "flags: " TUTORIAL_FLAGS,
+          "build type: " TUTORIAL_BUILD_TYPE};
+}
+
+}  // namespace measure

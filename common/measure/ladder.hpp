@@ -1,0 +1,60 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "measure/method.hpp"
+#include "measure/simulation.hpp"
+
+namespace measure {
+
+/// Something that is measured against the exact answer.
+struct Quantity {
+  std::string name;  ///< "position"
+  std::string unit;  ///< "m"
+};
+
+/// One run of one method with one step.
+struct Rung {
+  std::string method;  ///< Method::label()
+  int order;           ///< that theory promises
+  double step;         ///< [s]
+  long steps;
+  long evaluations;
+  double seconds;  ///< processor time, smallest of several repeats
+  std::vector<double>
+      errors;               ///< of each quantity at the end of the run; empty when the run failed
+  double constraint_error;  ///< largest |C| over the run
+  double energy_error;      ///< largest |E - E(0)| over the run [J]; or of the balance
+  std::string failure;      ///< why the run stopped, in words; empty when it did not
+};
+
+/// A ladder of ever smaller steps for a list of methods.
+struct Ladder {
+  std::vector<Method> methods;
+  double duration;  ///< [s]
+  double coarsest;  ///< the first step [s]; each further one is half of the last
+  int rungs = 12;   ///< at most; at least 8 are climbed
+  long most_steps = 1L << 22;
+};
+
+using Start = std::function<std::unique_ptr<Simulation>(const Method&)>;
+using Errors = std::function<std::vector<double>(const Row&)>;
+using Progress = std::function<void(double done, const std::string& what)>;
+
+/// Runs the ladder. `errors(row)` compares the last row of a run with the exact answer; the first
+/// quantity is the one by which a curve ends: two rungs after its error has stopped falling, since
+/// from there on rounding is all that is measured.
+std::vector<Rung> climb(const Ladder& ladder, const Start& start, const Errors& errors,
+                        const Progress& progress);
+
+/// The observed order of quantity `k` between two neighbouring rungs, log2 of the ratio of their
+/// errors; not a number where either failed.
+double observed_order(const Rung& coarse, const Rung& fine, std::size_t k = 0);
+
+/// What ran the measurement: processor, compiler, flags, build type; a line each, "name: value".
+std::vector<std::string> machine();
+
+}  // namespace measure

@@ -1,0 +1,144 @@
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "integrators/integrator.hpp"
+#include "measure/method.hpp"
+
+namespace measure {
+
+/// What every model tells of its state, whatever it is made of.
+struct Measures {
+  double energy;            ///< kinetic and potential [J]
+  double constraint_error;  ///< largest |C|, in the unit of C
+  double velocity_error;    ///< largest |J v|
+};
+
+/// One line of a trajectory.
+struct Row {
+  double t;                   ///< [s]
+  std::vector<double> state;  ///< positions and velocities, SI
+  Measures measures;
+  std::vector<double> reactions;  ///< forces [N] and moments [N·m]
+};
+
+/// What the values of a Row are called, in the same order.
+struct Columns {
+  std::vector<std::string> state;
+  std::vector<std::string> reactions;
+};
+
+/// A simulation that cannot go on; the message is one line for the user.
+struct Diverged : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A scene in motion under one method: what the measurements, the tables and the pictures drive.
+class Simulation {
+ public:
+  virtual ~Simulation() = default;
+
+  /// Back to the start; the count of evaluations begins again.
+  virtual void restart() = 0;
+  /// Moves on by `steps` steps of h [s]. Throws Diverged when the state is no longer finite.
+  virtual void advance(long steps, double h) = 0;
+
+  virtual double time() const = 0;
+  /// How often q̈ = a(t, q, v) was evaluated: the cost that no clock blurs.
+  virtual long evaluations() const = 0;
+  // These two may use the model's workspace.
+  virtual Measures measures() = 0;
+  virtual Row row() = 0;
+  virtual Columns columns() const = 0;
+};
+
+inline bool is_finite(double value) { return std::isfinite(value); }
+template <class Vector>
+bool is_finite(const Vector& values) {
+  return values.allFinite();
+}
+
+/// A model is a state (q, v) of some vector type and its acceleration. One with constraints has a
+/// way back onto them too, project(q, v).
+template <class M>
+concept Model = requires(M model, typename M::Vector& q, typename M::Vector& v, Row& row) {
+  model.acceleration(0.0, q, v, q);  // writes q̈ into the last argument
+  { model.initial_position() } -> std::convertible_to<typename M::Vector>;
+  { model.initial_velocity() } -> std::convertible_to<typename M::Vector>;
+  { model.measures(0.0, q, v) } -> std::same_as<Measures>;
+  { model.columns() } -> std::same_as<Columns>;
+  model.observe(0.0, q, v, row);  // fills row.state and row.reactions
+};
+
+/// A model in motion: the one loop of the tutorial.
+template <Model M>
+class Motion final : public Simulation {
+ public:
+  using Vector = typename M::Vector;
+
+  Motion(M model, const Method& method)
+      : model_(std::move(model)),
+        integrator_(method.integrator, model_.initial_position()),
+        projected_(method.stabilization == Stabilization::projection) {
+    restart();
+  }
+
+  void restart() override {
+    q_ = model_.initial_position();
+    v_ = model_.initial_velocity();
+    t_ = t_anchor_ = h_ = 0.0;
+    steps_since_anchor_ = evaluations_ = 0;
+  }
+
+  // [loop]
+  void advance(long steps, double h) override {
+    if (h != h_) anchor(h);
+    const auto acceleration = [this](double t, const Vector& q, const Vector& v, Vector& a) {
+      ++evaluations_;
+      model_.acceleration(t, q, v, a);
+    };
+    for (long i = 0; i < steps; ++i) {
+      integrator_.step(acceleration, t_, q_, v_, h);
+      if constexpr (requires { model_.project(q_, v_); })
+        if (projected_) model_.project(q_, v_);
+      t_ = t_anchor_ + static_cast<double>(++steps_since_anchor_) * h;
+      if (!is_finite(q_) || !is_finite(v_)) throw Diverged("the state is no longer finite");
+    }
+  }
+  // [loop]
+
+  double time() const override { return t_; }
+  long evaluations() const override { return evaluations_; }
+  Measures measures() override { return model_.measures(t_, q_, v_); }
+  Columns columns() const override { return model_.columns(); }
+  Row row() override {
+    Row row{t_, {}, measures(), {}};
+    model_.observe(t_, q_, v_, row);
+    return row;
+  }
+
+  const M& model() const { return model_; }
+  const Vector& q() const { return q_; }
+  const Vector& v() const { return v_; }
+
+ private:
+  /// t = t_anchor + n h, not a running sum, which would gather rounding over a million steps.
+  void anchor(double h) {
+    t_anchor_ = t_;
+    h_ = h;
+    steps_since_anchor_ = 0;
+  }
+
+  M model_;
+  integrators::Integrator<Vector> integrator_;
+  bool projected_;
+  Vector q_, v_;
+  double t_, t_anchor_, h_;
+  long steps_since_anchor_, evaluations_;
+};
+
+}  // namespace measure

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace parabola {
+
+/// A bead on the parabola x² + 2py = 0, released from rest. With y down this is a valley.
+struct Scene {
+  double x0 = 100.0;      ///< start [m]
+  double mass = 1.0;      ///< m [kg]
+  double gravity = 9.81;  ///< g [m/s²], along +y: down
+  double p = 50.0;  ///< half the parameter of the curve [m]; its radius of curvature at the bottom
+  double force_x = 0.0;  ///< constant horizontal force [N]
+
+  double height(double x) const { return -x * x / (2.0 * p); }
+
+  /// The applied force: weight and horizontal force [N].
+  Eigen::Vector2d applied_force() const { return {force_x, mass * gravity}; }
+
+  /// Kinetic and potential energy [J]; zero at rest at the origin.
+  double energy(const Eigen::Vector2d& x, const Eigen::Vector2d& v) const {
+    return 0.5 * mass * v.squaredNorm() - applied_force().dot(x);
+  }
+};
+
+}  // namespace parabola

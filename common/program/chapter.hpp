@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "measure/ladder.hpp"
+#include "measure/simulation.hpp"
+#include "program/options.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "program/pictures.hpp"
+#endif
+
+namespace program {
+
+/// Everything that the shared program needs to know of a chapter. The functions read the scene
+/// through the variables that the parameters point to, so they are called after the command line
+/// was read.
+struct Chapter {
+  std::string directory;  ///< "01_particle_on_curve_implicit"
+  std::string title;      ///< "Particle on a curve, implicit"
+
+  std::vector<Parameter> parameters;
+  RunOptions defaults;
+  bool has_constraints = true;        ///< false: nothing to stabilize, and no such options
+  std::string constraint_unit = "m";  ///< of C
+
+  /// The scene at t = 0 under a method.
+  measure::Start start;
+
+  /// What is compared with the exact answer, and the errors of a row, one for each quantity.
+  std::vector<measure::Quantity> quantities;
+  measure::Errors errors;
+
+  /// The methods, steps and duration of `report`.
+  measure::Ladder ladder;
+
+#ifdef TUTORIAL_PICTURES
+  /// The pictures of the lesson.
+  std::function<std::vector<Picture>(const RunOptions&)> pictures;
+  /// The scene at time t [s], for --at.
+  std::function<Picture(const RunOptions&, double t)> picture_at;
+#endif
+};
+
+/// The program of a chapter: `run`, `snapshot`, `report`. Returns the exit status: 0 on success,
+/// 2 on unusable arguments, 1 when the work could not be finished; both with one line on standard
+/// error.
+int run_chapter(int argc, char** argv, const Chapter& chapter);
+
+}  // namespace program

@@ -1,0 +1,45 @@
+#include "program/options.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace program {
+
+std::string Range::text() const {
+  if (low == high) return fmt::format("only {:g}", low);
+  if (low == 0.0) return fmt::format("a number from 0 to {:g}", high);
+  return fmt::format("a number from {:g} to {:g}", low, high);
+}
+
+double number(const std::string& option, const std::string& text, const Range& allowed) {
+  double value = 0.0;
+  const char* first = text.data() + (text.starts_with('+') ? 1 : 0);
+  const char* last = text.data() + text.size();
+  const auto [end, error] = std::from_chars(first, last, value);
+  const bool too_small = error == std::errc::result_out_of_range;
+  if (error == std::errc::invalid_argument || end != last || first == last || too_small ||
+      !allowed.holds(value))
+    throw UsageError(
+        fmt::format("{} {}: allowed is {}", option, text.empty() ? "''" : text, allowed.text()));
+  return value;
+}
+
+namespace {
+
+/// A duration that misses a whole number of steps by rounding alone is taken as whole.
+constexpr double rounding = 1e-9;
+
+}  // namespace
+
+long RunOptions::whole_steps() const {
+  return static_cast<long>(std::floor(duration / step * (1.0 + 1e-15) + rounding));
+}
+
+double RunOptions::remainder() const {
+  const double rest = duration - static_cast<double>(whole_steps()) * step;
+  return rest > rounding * step ? rest : 0.0;
+}
+
+}  // namespace program

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "measure/method.hpp"
+
+namespace program {
+
+/// An argument that cannot be used: exit status 2. The message is one line that names the option,
+/// its value and what is allowed.
+struct UsageError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// The values that a number may take.
+struct Range {
+  double low = -1e12, high = 1e12;
+
+  bool holds(double value) const { return value >= low && value <= high; }
+  std::string text() const;
+};
+
+inline constexpr Range any{};  ///< of either sign, |value| ≤ 1e12
+inline constexpr Range positive{1e-12, 1e12};
+inline constexpr Range not_negative{0.0, 1e12};
+
+/// One number that the reader may choose. It stays where the scene keeps it.
+struct Parameter {
+  std::string option;  ///< "--x0"
+  std::string unit;    ///< "m"; empty for a pure number
+  std::string help;
+  double* value;  ///< holds the default
+  Range allowed;
+};
+
+/// Reads a number; throws UsageError naming the option where it is none or not allowed.
+double number(const std::string& option, const std::string& text, const Range& allowed);
+
+/// What the shared options say of one run.
+struct RunOptions {
+  double duration;       ///< [s]
+  double step;           ///< [s]
+  double every = 0.0;    ///< time between rows [s]; 0: every step
+  std::string csv = {};  ///< file name, "-" for standard output, empty for none
+  measure::Method method = {};
+
+  /// Whole steps in the run, and what is left over for a last, shorter one [s].
+  long whole_steps() const;
+  double remainder() const;
+};
+
+}  // namespace program

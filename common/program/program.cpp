@@ -1,0 +1,510 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "integrators/amplification.hpp"
+#include "program/chapter.hpp"
+#include "program/files.hpp"
+#include "program/progress.hpp"
+#include "program/report.hpp"
+
+namespace program {
+namespace {
+
+constexpr double most_steps = 1e9;
+
+/// What the command line asks for, beside the scene's parameters.
+struct Request {
+  RunOptions run;
+  bool integrator_given = false;
+  std::optional<measure::Stabilization> stabilization;
+  std::optional<double> ks, kd;
+  std::string out = ".";
+#ifdef TUTORIAL_PICTURES
+  draw::Page page;
+  std::vector<double> at;
+#endif
+};
+
+std::string with_unit(const std::string& unit) { return unit.empty() ? "" : "[" + unit + "]"; }
+
+CLI::Option* add_number(CLI::App& app, const std::string& option, const std::string& unit,
+                        const std::string& help, Range allowed,
+                        const std::function<void(double)>& take) {
+  return app
+      .add_option_function<std::string>(
+          option, [=](const std::string& text) { take(number(option, text, allowed)); }, help)
+      ->type_name(with_unit(unit));
+}
+
+template <class Names>
+[[noreturn]] void refuse_name(const std::string& option, const std::string& text,
+                              const Names& names) {
+  throw UsageError(
+      fmt::format("{} {}: allowed is one of {}", option, text, fmt::join(names, ", ")));
+}
+
+std::vector<std::string_view> integrator_names() {
+  std::vector<std::string_view> names;
+  for (const auto& method : integrators::methods) names.push_back(method.text);
+  return names;
+}
+
+void add_scene(CLI::App& app, const Chapter& chapter) {
+  for (const Parameter& parameter : chapter.parameters)
+    add_number(app, parameter.option, parameter.unit,
+               fmt::format("{} (default {:g})", parameter.help, *parameter.value),
+               parameter.allowed, [value = parameter.value](double number) { *value = number; })
+        ->group("Scene");
+}
+
+void add_method(CLI::App& app, const Chapter& chapter, Request& request) {
+  app.add_option_function<std::string>(
+         "--integrator",
+         [&request](const std::string& text) {
+           const auto name = integrators::find(text);
+           if (!name) refuse_name("--integrator", text, integrator_names());
+           request.run.method.integrator = *name;
+           request.integrator_given = true;
+         },
+         fmt::format("{} (default {})", fmt::join(integrator_names(), ", "),
+                     integrators::method(chapter.defaults.method.integrator).text))
+      ->type_name("NAME")
+      ->group("Method");
+  // A scene without constraints has nothing to stabilize.
+  const std::vector<std::string_view> stabilizations(
+      std::begin(measure::stabilization_names), chapter.has_constraints
+                                                    ? std::end(measure::stabilization_names)
+                                                    : std::begin(measure::stabilization_names) + 1);
+  app.add_option_function<std::string>(
+         "--stabilization",
+         [&request, stabilizations](const std::string& text) {
+           const auto found = std::find(stabilizations.begin(), stabilizations.end(), text);
+           if (found == stabilizations.end()) refuse_name("--stabilization", text, stabilizations);
+           request.stabilization =
+               static_cast<measure::Stabilization>(found - stabilizations.begin());
+         },
+         chapter.has_constraints
+             ? "none, feedback, projection (default none; feedback when --ks or --kd is given)"
+             : "none: this scene has no constraint to stabilize")
+      ->type_name("NAME")
+      ->group("Method");
+  const Range gains = chapter.has_constraints ? not_negative : Range{0.0, 0.0};
+  add_number(app, "--ks", "1/s²", "feedback of C (default kd²/4, or 100)", gains,
+             [&request](double ks) { request.ks = ks; })
+      ->group("Method");
+  add_number(app, "--kd", "1/s", "feedback of dC/dt (default 2√ks: critical damping)", gains,
+             [&request](double kd) { request.kd = kd; })
+      ->group("Method");
+}
+
+void add_times(CLI::App& app, Request& request, const std::string& step_help) {
+  add_number(app, "--duration", "s",
+             fmt::format("time simulated (default {:g})", request.run.duration), positive,
+             [&request](double s) { request.run.duration = s; })
+      ->group("Method");
+  add_number(app, "--step", "s", fmt::format("{} (default {:g})", step_help, request.run.step),
+             positive, [&request](double s) { request.run.step = s; })
+      ->group("Method");
+}
+
+void add_out(CLI::App& app, Request& request) {
+  app.add_option("--out", request.out, "folder for the files, made if missing (default: this one)")
+      ->type_name("DIR")
+      ->group("Output");
+}
+
+#ifdef TUTORIAL_PICTURES
+void add_page(CLI::App& app, Request& request) {
+  add_out(app, request);
+  app.add_option_function<std::string>(
+         "--size",
+         [&request](const std::string& text) {
+           const std::size_t x = text.find('x');
+           const auto side = [&](const std::string& digits, double least) {
+             try {
+               const double value = number("", digits, {least, 4000.0});
+               if (value == std::floor(value)) return static_cast<int>(value);
+             } catch (const UsageError&) {
+             }
+             throw UsageError(fmt::format(
+                 "--size {}: allowed is WxH, W from 480 to 4000, H from 300 to 4000", text));
+           };
+           request.page.width = side(text.substr(0, x), 480.0);
+           request.page.height = side(x == std::string::npos ? "" : text.substr(x + 1), 300.0);
+         },
+         "size in points (default 960x600)")
+      ->type_name("WxH")
+      ->group("Output");
+  add_number(app, "--scale", "", "pixels in a point (default 2)", Range{0.5, 4.0},
+             [&request](double scale) { request.page.scale = scale; })
+      ->type_name("X")
+      ->group("Output");
+  app.add_option_function<std::string>(
+         "--theme",
+         [&request](const std::string& text) {
+           if (text != "light" && text != "dark")
+             refuse_name("--theme", text, std::vector<std::string>{"light", "dark"});
+           request.page.theme = draw::theme(text);
+         },
+         "light (for print, the default) or dark")
+      ->type_name("NAME")
+      ->group("Output");
+  app.add_option_function<std::vector<std::string>>(
+         "--at",
+         [&request](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts)
+             request.at.push_back(number("--at", text, not_negative));
+         },
+         "the scene at these times instead of the lesson's pictures")
+      ->delimiter(',')
+      ->expected(1, 1000)
+      ->type_name("T[,T...] [s]")
+      ->group("Output");
+}
+#endif
+
+/// What was asked for, made whole: the gains that go together, and the limits that hold between
+/// options.
+void settle(Request& request) {
+  RunOptions& run = request.run;
+  const bool gains = request.ks.value_or(0.0) > 0.0 || request.kd.value_or(0.0) > 0.0;
+  run.method.stabilization = request.stabilization.value_or(gains ? measure::Stabilization::feedback
+                                                                  : measure::Stabilization::none);
+  if (run.method.stabilization == measure::Stabilization::feedback) {
+    run.method.ks = request.ks.value_or(request.kd ? *request.kd * *request.kd / 4.0 : 100.0);
+    run.method.kd = request.kd.value_or(2.0 * std::sqrt(run.method.ks));
+  } else if (gains) {
+    throw UsageError(fmt::format("--{} {:g}: allowed only with --stabilization feedback",
+                                 request.ks ? "ks" : "kd", request.ks ? *request.ks : *request.kd));
+  }
+  if (run.duration / run.step > most_steps)
+    throw UsageError(
+        fmt::format("--step {:g}: allowed is {:g} or more, for at most {:g} steps in {:g} s",
+                    run.step, run.duration / most_steps, most_steps, run.duration));
+  if (run.every != 0.0 && run.every < run.step)
+    throw UsageError(
+        fmt::format("--every {:g}: allowed is the step, {:g} s, or more", run.every, run.step));
+}
+
+/// Once, when the feedback itself is unstable at this step.
+void warn_of_gains(const RunOptions& run) {
+  const auto& method = run.method;
+  if (method.stabilization != measure::Stabilization::feedback) return;
+  if (integrators::amplification(method.integrator, run.step, method.ks, method.kd) <= 1.0 + 1e-12)
+    return;
+  fmt::print(stderr,
+             "warning: feedback with ks = {:g} 1/s², kd = {:g} 1/s is unstable with {} at a step "
+             "of {:g} s;"
+             " it is stable up to {:.3g} s\n",
+             method.ks, method.kd, integrators::method(method.integrator).text, run.step,
+             integrators::largest_stable_step(method.integrator, method.ks, method.kd));
+}
+
+// ----------------------------------------------------------------------------------------------
+// run
+
+/// The trajectory as comma-separated values, to a file or to standard output.
+class Trajectory {
+ public:
+  Trajectory(const std::string& name, const measure::Columns& columns) {
+    if (name != "-") file_.emplace(name);
+    std::string header = "t";
+    for (const std::string& column : columns.state) header += "," + column;
+    header += ",energy,constraint_error,velocity_error";
+    for (const std::string& column : columns.reactions) header += "," + column;
+    put(header + "\n");
+  }
+
+  void add(const measure::Row& row) {
+    line_.clear();
+    const auto value = [this](double number) {
+      fmt::format_to(std::back_inserter(line_), "{}{:.17g}", line_.empty() ? "" : ",", number);
+    };
+    value(row.t);
+    for (const double number : row.state) value(number);
+    value(row.measures.energy);
+    value(row.measures.constraint_error);
+    value(row.measures.velocity_error);
+    for (const double number : row.reactions) value(number);
+    line_ += '\n';
+    put(line_);
+  }
+
+  void finish() {
+    if (file_)
+      file_->commit();
+    else if (std::fflush(stdout) != 0)
+      throw std::runtime_error("cannot write standard output");
+  }
+
+ private:
+  void put(const std::string& text) {
+    if (file_)
+      file_->write(text);
+    else if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size())
+      throw std::runtime_error("cannot write standard output");
+  }
+
+  std::optional<NewFile> file_;
+  std::string line_;
+};
+
+bool is_finite(const measure::Row& row) {
+  const auto all = [](const std::vector<double>& values) {
+    return std::all_of(values.begin(), values.end(),
+                       [](double value) { return std::isfinite(value); });
+  };
+  return all(row.state) && all(row.reactions) && std::isfinite(row.measures.energy) &&
+         std::isfinite(row.measures.constraint_error) && std::isfinite(row.measures.velocity_error);
+}
+
+void print_summary(const Chapter& chapter, const RunOptions& run,
+                   const measure::Simulation& simulation, const measure::Row& last,
+                   const measure::Measures& largest) {
+  const auto line = [](const std::string& name, double value, const std::string& unit) {
+    fmt::print("  {:<28}{:>12.3g} {}\n", name, value, unit);
+  };
+  fmt::print("{}: {}\n", chapter.title, run.method.label());
+  fmt::print("{:g} s simulated with a step of {:g} s: {} evaluations of the acceleration\n", last.t,
+             run.step, simulation.evaluations());
+  if (run.method.stabilization == measure::Stabilization::feedback)
+    fmt::print("feedback: ks = {:g} 1/s², kd = {:g} 1/s, h√ks = {:.3g}\n", run.method.ks,
+               run.method.kd, run.step * std::sqrt(run.method.ks));
+  fmt::print("\nstate at the end\n");
+  const measure::Columns columns = simulation.columns();
+  for (std::size_t i = 0; i < columns.state.size(); ++i)
+    fmt::print("  {:<28}{:>20.12g}\n", columns.state[i], last.state[i]);
+  fmt::print("\nerror against the exact answer, at the end\n");
+  const std::vector<double> errors = chapter.errors(last);
+  for (std::size_t k = 0; k < errors.size(); ++k)
+    line(chapter.quantities[k].name, errors[k], chapter.quantities[k].unit);
+  fmt::print("\nlargest over the run\n");
+  line("constraint error |C|", largest.constraint_error, chapter.constraint_unit);
+  line("velocity error |J v|", largest.velocity_error, chapter.constraint_unit + "/s");
+  line("energy error", largest.energy, "J");
+}
+
+void run_command(const Chapter& chapter, const Request& request) {
+  const RunOptions& run = request.run;
+  const auto simulation = chapter.start(run.method);
+  std::optional<Trajectory> trajectory;
+  if (!run.csv.empty()) {
+    try {
+      trajectory.emplace(run.csv, simulation->columns());
+    } catch (const std::runtime_error& error) {
+      throw UsageError(
+          fmt::format("--csv {}: {}; allowed is a file name in a folder that can be written, or -",
+                      run.csv, error.what()));
+    }
+  }
+  warn_of_gains(run);
+
+  const long steps = run.whole_steps();
+  const double rest = run.remainder();
+  measure::Measures largest{0.0, 0.0, 0.0};
+  const double initial_energy = simulation->measures().energy;
+  Progress progress;
+  double next_row = 0.0;
+  measure::Row last;
+  try {
+    for (long done = 0;; ++done) {
+      last = simulation->row();
+      if (!is_finite(last))
+        throw measure::Diverged("the state is too large for its energy or forces");
+      largest.energy = std::max(largest.energy, std::abs(last.measures.energy - initial_energy));
+      largest.constraint_error = std::max(largest.constraint_error, last.measures.constraint_error);
+      largest.velocity_error = std::max(largest.velocity_error, last.measures.velocity_error);
+      const bool end = done == steps + (rest > 0.0 ? 1 : 0);
+      if (trajectory && (end || last.t >= next_row - 1e-9 * run.step)) {
+        trajectory->add(last);
+        if (run.every > 0.0) next_row = (std::floor(last.t / run.every + 1e-9) + 1.0) * run.every;
+      }
+      if (end) break;
+      if (done % 1024 == 0)
+        progress.show(static_cast<double>(done) / static_cast<double>(steps), "simulated");
+      simulation->advance(1, done < steps ? run.step : rest);
+    }
+  } catch (const measure::Diverged& diverged) {
+    throw measure::Diverged(
+        fmt::format("stopped at t = {:g} s: {}; try a smaller --step or another --integrator",
+                    simulation->time(), diverged.what()));
+  }
+  if (trajectory) trajectory->finish();
+  if (run.csv != "-") print_summary(chapter, run, *simulation, last, largest);
+}
+
+// -------------------------------------------------------------------------------------------
+// report
+
+void prepare_folder(const std::string& out) {
+  try {
+    make_folder(out);
+  } catch (const std::runtime_error& error) {
+    throw UsageError(
+        fmt::format("--out {}: {}; allowed is a folder that can be written", out, error.what()));
+  }
+}
+
+void report_command(const Chapter& chapter, const Request& request) {
+  prepare_folder(request.out);
+  measure::Ladder ladder = chapter.ladder;
+  ladder.duration = request.run.duration;
+  ladder.coarsest = request.run.step;
+  if (request.integrator_given || request.stabilization || request.ks || request.kd)
+    ladder.methods = {request.run.method};
+  if (ladder.duration / ladder.coarsest > static_cast<double>(ladder.most_steps >> 7))
+    throw UsageError(fmt::format(
+        "--step {:g}: allowed is {:.3g} s or more, so that 8 halvings stay below {} steps",
+        ladder.coarsest, ladder.duration / static_cast<double>(ladder.most_steps >> 7),
+        ladder.most_steps));
+  Report report{chapter.title,      ladder.duration,    chapter.constraint_unit,
+                chapter.quantities, measure::machine(), {}};
+  {
+    Progress progress;
+    report.rungs =
+        measure::climb(ladder, chapter.start, chapter.errors,
+                       [&](double done, const std::string& what) { progress.show(done, what); });
+  }
+  fmt::print("{}", table(report));
+  const std::filesystem::path out(request.out);
+  write_file(out / "error_vs_time.csv", csv(report));
+  fmt::print("\n{}\n", (out / "error_vs_time.csv").string());
+#ifdef TUTORIAL_PICTURES
+  const Picture picture = error_picture(report);
+  write_file(out / "error_vs_time.png", draw::encode_png(draw::render(request.page, picture.draw)));
+  fmt::print("{}\n", (out / "error_vs_time.png").string());
+#endif
+}
+
+// -----------------------------------------------------------------------------------------
+// snapshot
+
+#ifdef TUTORIAL_PICTURES
+void snapshot_command(const Chapter& chapter, const Request& request) {
+  prepare_folder(request.out);
+  warn_of_gains(request.run);
+  std::vector<Picture> pictures;
+  if (request.at.empty()) pictures = chapter.pictures(request.run);
+  for (const double t : request.at) {
+    if (t / request.run.step > most_steps)
+      throw UsageError(fmt::format("--at {:g}: allowed is at most {:g} s with a step of {:g} s", t,
+                                   most_steps * request.run.step, request.run.step));
+    pictures.push_back(chapter.picture_at(request.run, t));
+  }
+  Progress progress;
+  double done = 0.0;
+  for (const Picture& picture : pictures) {
+    const auto path = std::filesystem::path(request.out) / (picture.name + ".png");
+    progress.show(done++ / static_cast<double>(pictures.size()), picture.name);
+    write_file(path, draw::encode_png(draw::render(request.page, picture.draw)));
+    fmt::print("{}\n", path.string());
+  }
+}
+#endif
+
+/// "--force-x -5" reads as an option and an option; joined as "--force-x=-5" it reads as meant.
+std::vector<std::string> join_negative_numbers(int argc, char** argv) {
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  for (std::size_t i = 0; i + 1 < arguments.size(); ++i) {
+    const std::string& next = arguments[i + 1];
+    if (arguments[i].starts_with("--") && arguments[i].find('=') == std::string::npos &&
+        next.size() > 1 && next[0] == '-' && next[1] != '-') {
+      arguments[i] += "=" + next;
+      arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+    }
+  }
+  return arguments;
+}
+
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  while (text.ends_with(' ')) text.pop_back();
+  return text;
+}
+
+}  // namespace
+
+int run_chapter(int argc, char** argv, const Chapter& chapter) {
+  Request request;
+  request.run = chapter.defaults;
+  Request ladder_request = request;
+  ladder_request.run.duration = chapter.ladder.duration;
+  ladder_request.run.step = chapter.ladder.coarsest;
+
+  CLI::App app(chapter.title, chapter.directory);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(34);
+
+  CLI::App* run =
+      app.add_subcommand("run", "one simulation and its error against the exact answer");
+  add_scene(*run, chapter);
+  add_method(*run, chapter, request);
+  add_times(*run, request, "step of the integrator");
+  run->add_option("--csv", request.run.csv,
+                  "writes the trajectory; - writes it to standard output, alone")
+      ->type_name("FILE")
+      ->group("Output");
+  add_number(
+      *run, "--every", "s",
+      "time between rows: a row at the first step at or after each multiple (default: every step)",
+      positive, [&](double s) { request.run.every = s; })
+      ->group("Output");
+  run->callback([&] {
+    settle(request);
+    run_command(chapter, request);
+  });
+
+#ifdef TUTORIAL_PICTURES
+  CLI::App* snapshot = app.add_subcommand("snapshot", "PNG pictures of the scene");
+  add_scene(*snapshot, chapter);
+  add_method(*snapshot, chapter, request);
+  add_times(*snapshot, request, "step of the integrator");
+  add_page(*snapshot, request);
+  snapshot->callback([&] {
+    settle(request);
+    snapshot_command(chapter, request);
+  });
+#endif
+
+  CLI::App* report = app.add_subcommand(
+      "report", "error against run time: a table, error_vs_time.csv and error_vs_time.png");
+  add_scene(*report, chapter);
+  add_method(*report, chapter, ladder_request);
+  add_times(*report, ladder_request, "coarsest step, halved from row to row");
+  add_out(*report, ladder_request);
+  report->callback([&] {
+    settle(ladder_request);
+    report_command(chapter, ladder_request);
+  });
+
+  const auto complain = [&](const std::string& message, int status) {
+    fmt::print(stderr, "{}: {}\n", chapter.directory, one_line(message));
+    return status;
+  };
+  try {
+    std::vector<std::string> arguments = join_negative_numbers(argc, argv);
+    std::vector<std::string> commands;
+    for (const CLI::App* command : app.get_subcommands({})) commands.push_back(command->get_name());
+    if (arguments.empty()) refuse_name("command", "missing", commands);
+    if (!arguments[0].starts_with('-') &&
+        std::find(commands.begin(), commands.end(), arguments[0]) == commands.end())
+      refuse_name("command", arguments[0], commands);
+    std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants a vector
+    app.parse(arguments);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help
+    return complain(std::string(error.what()) + "; see --help", 2);
+  } catch (const UsageError& error) {
+    return complain(error.what(), 2);
+  } catch (const std::exception& error) {
+    return complain(error.what(), 1);
+  }
+  if (std::fflush(stdout) != 0) return complain("cannot write standard output", 1);
+  return 0;
+}
+
+}  // namespace program

@@ -1,0 +1,162 @@
+#include "program/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+namespace program {
+namespace {
+
+std::vector<std::string> split(const std::string& line, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(line);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  if (line.ends_with(separator)) parts.emplace_back();
+  return parts;
+}
+
+std::string order_text(const measure::Rung* coarse, const measure::Rung& fine, std::size_t k) {
+  if (coarse == nullptr) return "";
+  const double order = measure::observed_order(*coarse, fine, k);
+  return std::isfinite(order) ? fmt::format("{:.2f}", order) : "";
+}
+
+}  // namespace
+
+std::vector<std::string> methods(const Report& report) {
+  std::vector<std::string> names;
+  for (const measure::Rung& rung : report.rungs)
+    if (std::find(names.begin(), names.end(), rung.method) == names.end())
+      names.push_back(rung.method);
+  return names;
+}
+
+double time_to_reach(const Report& report, const std::string& method, double level) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const measure::Rung& rung : report.rungs)
+    if (rung.method == method && !rung.errors.empty() && rung.errors[0] <= level)
+      least = std::min(least, rung.seconds);
+  return least;
+}
+
+std::string table(const Report& report) {
+  std::string text =
+      fmt::format("{}: error against run time, {:g} s of motion\n", report.title, report.duration);
+  for (const std::string& line : report.machine) text += "  " + line + "\n";
+
+  text += fmt::format("\n{:<28}{:>12}{:>12}{:>12}", "method", "step s", "evaluations", "time ms");
+  for (const auto& quantity : report.quantities)
+    text += fmt::format("{:>22}{:>7}", fmt::format("{} {}", quantity.name, quantity.unit), "order");
+  text += fmt::format("{:>12}{:>12}\n", "|C| " + report.constraint_unit, "energy J");
+
+  const measure::Rung* coarse = nullptr;
+  for (const measure::Rung& rung : report.rungs) {
+    if (coarse != nullptr && coarse->method != rung.method) {
+      coarse = nullptr;
+      text += "\n";
+    }
+    text += fmt::format("{:<28}{:>12.6g}", rung.method, rung.step);
+    if (rung.errors.empty()) {
+      text += fmt::format("  failed: {}\n", rung.failure);
+    } else {
+      text += fmt::format("{:>12}{:>12.4g}", rung.evaluations, 1e3 * rung.seconds);
+      for (std::size_t k = 0; k < rung.errors.size(); ++k)
+        text += fmt::format("{:>22.2e}{:>7}", rung.errors[k], order_text(coarse, rung, k));
+      text += fmt::format("{:>12.2e}{:>12.2e}\n", rung.constraint_error, rung.energy_error);
+    }
+    coarse = &rung;
+  }
+
+  const auto& first = report.quantities.front();
+  text += fmt::format("\n{:<34}", fmt::format("time to reach, ms ({} error)", first.name));
+  for (const double level : error_levels)
+    text += fmt::format("{:>14}", fmt::format("{:g} {}", level, first.unit));
+  text += "\n";
+  std::vector<std::string> names = methods(report);
+  const auto price = [&](const std::string& name) {  // fastest first, by the hardest level reached
+    std::vector<double> times;
+    for (const double level : error_levels)
+      times.insert(times.begin(), time_to_reach(report, name, level));
+    return times;
+  };
+  std::stable_sort(names.begin(), names.end(),
+                   [&](const auto& a, const auto& b) { return price(a) < price(b); });
+  for (const std::string& name : names) {
+    text += fmt::format("  {:<32}", name);
+    for (const double level : error_levels) {
+      const double seconds = time_to_reach(report, name, level);
+      text += std::isfinite(seconds) ? fmt::format("{:>14.3g}", 1e3 * seconds)
+                                     : fmt::format("{:>14}", "not reached");
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string csv(const Report& report) {
+  std::string text = fmt::format("# title: {}\n# duration: {:.17g}\n# constraint_unit: {}\n",
+                                 report.title, report.duration, report.constraint_unit);
+  for (const auto& quantity : report.quantities)
+    text += fmt::format("# quantity: {}|{}\n", quantity.name, quantity.unit);
+  for (const std::string& line : report.machine) text += fmt::format("# machine: {}\n", line);
+  text += "method,order,step,steps,evaluations,seconds,constraint_error,energy_error,failure";
+  for (const auto& quantity : report.quantities) text += "," + quantity.name + "_error";
+  text += "\n";
+  for (const measure::Rung& r : report.rungs) {
+    text += fmt::format("{},{},{:.17g},{},{},{:.6g},{:.17g},{:.17g},{}", r.method, r.order, r.step,
+                        r.steps, r.evaluations, r.seconds, r.constraint_error, r.energy_error,
+                        r.failure);
+    for (std::size_t k = 0; k < report.quantities.size(); ++k)
+      text += r.errors.empty() ? "," : fmt::format(",{:.17g}", r.errors[k]);
+    text += "\n";
+  }
+  return text;
+}
+
+Report read_csv(const std::filesystem::path& path) {
+  std::ifstream stream(path);
+  if (!stream) throw std::runtime_error(fmt::format("cannot read {}", path.string()));
+  Report report;
+  bool header_seen = false;
+  for (std::string line; std::getline(stream, line);) {
+    try {
+      if (line.starts_with("# ")) {
+        const std::size_t colon = line.find(": ");
+        const std::string name = line.substr(2, colon - 2), value = line.substr(colon + 2);
+        if (name == "title") report.title = value;
+        if (name == "duration") report.duration = std::stod(value);
+        if (name == "constraint_unit") report.constraint_unit = value;
+        if (name == "machine") report.machine.push_back(value);
+        if (name == "quantity")
+          report.quantities.push_back({split(value, '|').at(0), split(value, '|').at(1)});
+      } else if (!header_seen) {
+        header_seen = true;
+      } else {
+        const std::vector<std::string> cells = split(line, ',');
+        measure::Rung rung{cells.at(0),
+                           std::stoi(cells.at(1)),
+                           std::stod(cells.at(2)),
+                           std::stol(cells.at(3)),
+                           std::stol(cells.at(4)),
+                           std::stod(cells.at(5)),
+                           {},
+                           std::stod(cells.at(6)),
+                           std::stod(cells.at(7)),
+                           cells.at(8)};
+        if (rung.failure.empty())
+          for (std::size_t k = 9; k < cells.size(); ++k) rung.errors.push_back(std::stod(cells[k]));
+        report.rungs.push_back(rung);
+      }
+    } catch (const std::logic_error&) {  // std::out_of_range, std::invalid_argument
+      throw std::runtime_error(fmt::format("{}: this line does not fit: {}", path.string(), line));
+    }
+  }
+  return report;
+}
+
+}  // namespace program

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "measure/ladder.hpp"
+
+namespace program {
+
+/// A measured ladder with the names of what was measured: what `report` prints, saves and draws.
+struct Report {
+  std::string title;  ///< of the chapter
+  double duration;    ///< [s]
+  std::string constraint_unit;
+  std::vector<measure::Quantity> quantities;
+  std::vector<std::string> machine;  ///< "name: value" lines
+  std::vector<measure::Rung> rungs;
+};
+
+/// The levels of error whose price the reader asks for.
+inline constexpr double error_levels[] = {1e-3, 1e-6, 1e-9};
+
+/// The least processor time [s] with which a method's runs came below the level; infinite if none
+/// did.
+double time_to_reach(const Report& report, const std::string& method, double level);
+
+/// The methods of the report, in the order of its rungs.
+std::vector<std::string> methods(const Report& report);
+
+/// The table for the eye: machine, all rungs with their orders, then the time to reach each level.
+std::string table(const Report& report);
+
+/// The same as comma-separated values: comment lines "# name: value" for all but the rungs, a
+/// header row, a row a rung. `read_csv` reads it back; it throws std::runtime_error where the file
+/// does not fit.
+std::string csv(const Report& report);
+Report read_csv(const std::filesystem::path& path);
+
+}  // namespace program

@@ -1,0 +1,256 @@
+// The contract of the command line, asked of every chapter's program as a user would ask it.
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string slurp(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+/// An empty folder that goes away with the test.
+struct Folder {
+  fs::path path = fs::temp_directory_path() / fmt::format("command_line_test_{}", getpid());
+  Folder() {
+    fs::remove_all(path);
+    fs::create_directories(path);
+  }
+  ~Folder() { fs::remove_all(path); }
+};
+
+struct Result {
+  int status;
+  std::string out, err;
+};
+
+Result shell(const std::string& command) {
+  const fs::path base = fs::temp_directory_path() / fmt::format("command_line_test_{}_", getpid());
+  const std::string out = base.string() + "out", err = base.string() + "err";
+  const int status =
+      std::system(fmt::format("( {} ) >{} 2>{} </dev/null", command, out, err).c_str());
+  Result result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, slurp(out), slurp(err)};
+  fs::remove(out);
+  fs::remove(err);
+  return result;
+}
+
+std::vector<std::string> chapters() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(TUTORIAL_SOURCE "/chapters"))
+    if (entry.is_directory()) names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string program(const std::string& chapter) { return TUTORIAL_BIN "/" + chapter; }
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+void check_refused(const std::string& command, const std::string& named, int status = 2) {
+  INFO(command);
+  const Result result = shell(command);
+  INFO(result.err);
+  CHECK(result.status == status);
+  CHECK(result.out.empty());
+  CHECK(std::count(result.err.begin(), result.err.end(), '\n') == 1);
+  CHECK(holds(result.err, named));
+}
+
+}  // namespace
+
+TEST_CASE("help names every option with its unit and exits with 0") {
+  for (const std::string& chapter : chapters()) {
+    INFO(chapter);
+    const Result top = shell(program(chapter) + " --help");
+    CHECK(top.status == 0);
+    for (const char* command : {"run", "report"}) CHECK(holds(top.out, command));
+    const Result run = shell(program(chapter) + " run --help");
+    CHECK(run.status == 0);
+    for (const char* option : {"--duration [s]", "--step [s]", "--integrator", "--stabilization",
+                               "--ks [1/s²]", "--kd [1/s]", "--every [s]", "--csv FILE"}) {
+      INFO(option);
+      CHECK(holds(run.out, option));
+    }
+    CHECK(run.err.empty());
+  }
+}
+
+TEST_CASE("the CSV has the contract's columns, all finite, and standard output holds it alone") {
+  for (const std::string& chapter : chapters()) {
+    INFO(chapter);
+    const Result result = shell(program(chapter) + " run --duration 0.5 --step 0.01 --csv -");
+    REQUIRE(result.status == 0);
+    CHECK(result.err.empty());
+    const std::vector<std::string> lines = split(result.out, '\n');
+    REQUIRE(lines.size() == 52);
+    const std::vector<std::string> header = split(lines[0], ',');
+    CHECK(header.front() == "t");
+    for (const char* column : {"energy", "constraint_error", "velocity_error"})
+      CHECK(std::count(header.begin(), header.end(), column) == 1);
+    for (std::size_t i = 1; i < lines.size(); ++i) {
+      const std::vector<std::string> cells = split(lines[i], ',');
+      REQUIRE(cells.size() == header.size());
+      for (const std::string& cell : cells) CHECK(std::isfinite(std::stod(cell)));
+    }
+  }
+  const auto header = [](const std::string& chapter) {
+    return split(shell(program(chapter) + " run --duration 0.01 --csv -").out, '\n').at(0);
+  };
+  const std::string particle =
+      "particle.x,particle.y,particle.vx,particle.vy,energy,constraint_error,velocity_error,"
+      "particle_curve.fx,particle_curve.fy,particle_curve.moment";
+  CHECK(header("01_particle_on_curve_implicit") == "t," + particle);
+  CHECK(header("02_parametric_lagrangian") == "t,q,qdot," + particle);
+}
+
+TEST_CASE(
+    "rows are thinned by --every, which keeps first and last, and does not change the motion") {
+  for (const std::string& chapter : chapters()) {
+    INFO(chapter);
+    const auto every =
+        split(shell(program(chapter) + " run --duration 0.5 --step 0.01 --csv -").out, '\n');
+    const auto some =
+        split(shell(program(chapter) + " run --duration 0.5 --step 0.01 --every 0.125 --csv -").out,
+              '\n');
+    REQUIRE(some.size() == 6);
+    CHECK(some[1] == every[1]);
+    CHECK(some[2] == every[1 + 13]);  // the first step at or after 0.125 s
+    CHECK(some[3] == every[1 + 25]);
+    CHECK(some[5] == every[1 + 50]);
+  }
+}
+
+TEST_CASE("a duration that is no whole number of steps is reached exactly") {
+  const auto lines =
+      split(shell(program(chapters()[0]) + " run --duration 1 --step 0.3 --csv -").out, '\n');
+  REQUIRE(lines.size() == 6);
+  CHECK(std::stod(lines.back()) == 1.0);
+}
+
+TEST_CASE("the same run writes the same bytes") {
+  const Folder folder;
+  for (const std::string& chapter : chapters()) {
+    INFO(chapter);
+    const std::string base = folder.path.string() + "/" + chapter;
+    for (const char* copy : {"a", "b"}) {
+      CHECK(shell(fmt::format("{} run --duration 1 --csv {}{}.csv", program(chapter), base, copy))
+                .status == 0);
+#ifdef TUTORIAL_PICTURES
+      CHECK(shell(fmt::format("{} snapshot --at 0.5 --out {}{}", program(chapter), base, copy))
+                .status == 0);
+#endif
+    }
+    CHECK(slurp(base + "a.csv") == slurp(base + "b.csv"));
+    CHECK(slurp(base + "a.csv").size() > 1000);
+#ifdef TUTORIAL_PICTURES
+    CHECK(slurp(base + "a/at_0.5s.png") == slurp(base + "b/at_0.5s.png"));
+    CHECK(slurp(base + "a/at_0.5s.png").size() > 5000);
+#endif
+  }
+}
+
+TEST_CASE("unusable arguments: one line that names them, exit status 2") {
+  for (const std::string& chapter : chapters()) {
+    const std::string p = program(chapter) + " ";
+    check_refused(p, "command missing");
+    check_refused(p + "fly", "fly");
+    check_refused(p + "run --fly 3", "--fly");
+    check_refused(p + "run --step", "--step");
+    for (const char* bad : {"0", "-1", "nan", "inf", "1e400", "abc", "''", "1e-300"}) {
+      check_refused(p + "run --step " + bad, "--step");
+      check_refused(p + "run --duration " + bad, "--duration");
+    }
+    check_refused(p + "run --step 1e-9 --duration 1e6", "--step 1e-09");
+    check_refused(p + "run --every -1", "--every -1");
+    check_refused(p + "run --every 0.001 --step 0.01", "--every 0.001");
+    check_refused(p + "run --integrator euler", "--integrator euler");
+    check_refused(p + "run --stabilization glue", "--stabilization glue");
+    check_refused(p + "run --stabilization none --ks 1", "--ks 1");
+    CHECK(shell(p + "run --duration 0.1 --stabilization none").status == 0);
+    check_refused(p + "run --ks -1", "--ks -1");
+    check_refused(p + "run --csv /nowhere/at/all.csv", "--csv /nowhere/at/all.csv");
+    check_refused(p + "run --csv /dev/full", "--csv /dev/full");
+    check_refused(p + "report --out /proc/none", "--out /proc/none");
+    check_refused(p + "report --out /dev/null", "--out /dev/null");
+#ifdef TUTORIAL_PICTURES
+    check_refused(p + "snapshot --out /proc/none", "--out /proc/none");
+    check_refused(p + "snapshot --size 10x10", "--size 10x10");
+    check_refused(p + "snapshot --size 960", "--size 960");
+    check_refused(p + "snapshot --size 96e1x600y", "--size");
+    check_refused(p + "snapshot --scale 0", "--scale 0");
+    check_refused(p + "snapshot --theme pink", "--theme pink");
+    check_refused(p + "snapshot --at 1,x", "--at x");
+    check_refused(p + "snapshot --at -1", "--at -1");
+#endif
+  }
+  const std::string p = program("01_particle_on_curve_implicit") + " run ";
+  for (const char* option : {"--mass", "--p"})
+    for (const char* bad : {"0", "-2", "nan", "1e13"})
+      check_refused(p + option + " " + bad, option);
+  check_refused(p + "--gravity -1", "--gravity -1");
+  check_refused(p + "--x0 1e13", "--x0 1e13");
+  check_refused(program("02_parametric_lagrangian") + " run --stabilization projection",
+                "--stabilization projection");
+  check_refused(program("02_parametric_lagrangian") + " run --kd 1", "--kd 1");
+}
+
+TEST_CASE("a full disk: one line, exit status 1, nothing left under the name") {
+  if (!fs::exists("/dev/full")) return;
+  for (const std::string& chapter : chapters()) {
+    check_refused(program(chapter) + " run --csv - >/dev/full", "standard output", 1);
+    check_refused(program(chapter) + " run >/dev/full", "standard output", 1);
+  }
+}
+
+TEST_CASE(
+    "a run that cannot go on: the time, what failed, what to try; exit status 1 and no file") {
+  const Folder folder;
+  const std::string file = (folder.path / "run.csv").string();
+  for (const char* chapter : {"01_particle_on_curve_implicit", "02_parametric_lagrangian"}) {
+    const std::string command = fmt::format(
+        "{} run --integrator explicit_euler --duration 1e9 --step 1e6 --x0 1e10", program(chapter));
+    check_refused(command + " --csv " + file, "stopped at t = ", 1);
+    CHECK(fs::is_empty(folder.path));
+    const Result result = shell(command + " --csv -");
+    CHECK(result.status == 1);
+    CHECK(holds(result.err, "--step"));
+    CHECK(!holds(result.out, "nan"));
+    CHECK(!holds(result.out, "inf"));
+  }
+}
+
+TEST_CASE("feedback beyond the limit of the step is warned about once") {
+  const std::string p =
+      program("01_particle_on_curve_implicit") + " run --duration 0.1 --step 0.01 ";
+  const Result wild = shell(p + "--ks 90000");
+  CHECK(wild.status == 0);
+  CHECK(std::count(wild.err.begin(), wild.err.end(), '\n') == 1);
+  CHECK(holds(wild.err, "stable up to 0.00928"));  // 2.7853 / 300
+  CHECK(shell(p + "--ks 100").err.empty());
+}

@@ -1,0 +1,273 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "draw/canvas.hpp"
+#include "draw/image.hpp"
+#include "draw/offscreen.hpp"
+#include "draw/page.hpp"
+#include "draw/plot.hpp"
+#include "draw/ticks.hpp"
+
+using namespace draw;
+
+namespace {
+
+const Page small_page{.width = 320, .height = 200, .scale = 1};
+
+struct Scene {
+  double bead_x = 60;
+  bool curve = true;
+  Color bead = theme("light").body;
+};
+
+Image picture(const Scene& scene) {
+  return render(small_page, [&](Pen& pen) {
+    Canvas canvas(pen, page(pen, "valley", "C = 0"), {-110, -130, 110, 10});
+    canvas.axes("m");
+    std::vector<Point> points;
+    for (double x = -100; x <= 100; x += 5) points.push_back({x, -x * x / 100});
+    if (scene.curve) canvas.curve(points, pen.theme().track, 2);
+    canvas.bead({scene.bead_x, -scene.bead_x * scene.bead_x / 100}, 5, scene.bead,
+                pen.theme().body_edge);
+  });
+}
+
+Color pixel(const Image& image, int x, int y) {
+  const auto i = 4 * static_cast<std::size_t>(y * image.width + x);
+  return {image.rgba[i], image.rgba[i + 1], image.rgba[i + 2]};
+}
+
+bool same(Color a, Color b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
+
+std::vector<std::string> labels(const std::vector<Tick>& ticks) {
+  std::vector<std::string> result;
+  for (const Tick& tick : ticks) {
+    if (!tick.label.empty()) result.push_back(tick.label);
+  }
+  return result;
+}
+
+std::size_t painted(const Image& image) {
+  std::size_t count = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (!same(pixel(image, x, y), theme("light").paper)) ++count;
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("a picture survives the way through a PNG file") {
+  const Image image = picture({});
+  const auto file = std::filesystem::temp_directory_path() / "draw_test_round_trip.png";
+  std::ofstream(file, std::ios::binary) << encode_png(image);
+  const Image back = read_png(file);
+  std::filesystem::remove(file);
+  CHECK(back.width == 320);
+  CHECK(back.height == 200);
+  CHECK(back.rgba == image.rgba);
+}
+
+TEST_CASE("a file that is no PNG is named in the error") {
+  CHECK_THROWS_WITH(read_png("/no/such.png"), Catch::Contains("/no/such.png"));
+  CHECK_THROWS_WITH(read_png(__FILE__), Catch::Contains("draw_test.cpp"));
+  CHECK_THROWS_AS(encode_png({}), std::runtime_error);
+}
+
+TEST_CASE("the same page gives the same bytes, whatever was drawn between") {
+  const Image first = picture({});
+  render({.width = 100, .height = 50, .scale = 2, .theme = theme("dark")}, [](Pen& pen) {
+    pen.text({10, 20}, "Δ", pen.theme().ink);
+  });
+  CHECK(picture({}).rgba == first.rgba);
+}
+
+TEST_CASE("a drawing that fails leaves the next one alone") {
+  const Image first = picture({});
+  CHECK_THROWS_AS(render(small_page,
+                         [](Pen& pen) {
+                           pen.clip({0, 0, 1, 1});
+                           throw std::runtime_error("no scene");
+                         }),
+                  std::runtime_error);
+  CHECK(picture({}).rgba == first.rgba);
+}
+
+TEST_CASE("a page must have a size that OpenGL allows") {
+  const auto nothing = [](Pen&) {};
+  CHECK_THROWS_AS(render({.width = 1'000'000, .height = 10}, nothing), std::invalid_argument);
+  CHECK_THROWS_AS(render({.width = 10, .height = 0}, nothing), std::invalid_argument);
+  CHECK_THROWS_AS(render({.scale = std::nan("")}, nothing), std::invalid_argument);
+}
+
+TEST_CASE("difference sees what changed") {
+  const Image expected = picture({});
+  const Difference none = difference(expected, expected);
+  CHECK(none.same_size);
+  CHECK(none.largest_step == 0);
+  CHECK(none.worst_window == 0);
+
+  const Difference moved = difference(expected, picture({.bead_x = 64}));
+  CHECK(moved.largest_step > 100);
+  CHECK(moved.worst_window > 10);
+
+  const Difference missing = difference(expected, picture({.curve = false}));
+  CHECK(missing.largest_step > 100);
+  CHECK(missing.worst_window > 10);
+
+  const Difference coloured = difference(expected, picture({.bead = theme("light").weight}));
+  CHECK(coloured.largest_step > 50);
+  CHECK(coloured.worst_window > 5);
+}
+
+TEST_CASE("difference measures steps and windows exactly, and shows where") {
+  const Image expected{40, 20, std::vector<std::uint8_t>(4 * 40 * 20, 255)};
+  Image actual = expected;
+  actual.rgba[4 * (18 * 40 + 35)] = 249;  // in the window of 8 × 4 pixels at the bottom right
+  const Difference d = difference(expected, actual);
+  CHECK(d.largest_step == 6);
+  CHECK(d.worst_window == Approx(6.0 / 3 / (8 * 4)));
+  CHECK(pixel(d.picture, 35, 18).g < 150);
+  CHECK(same(pixel(d.picture, 34, 18), {255, 255, 255}));
+
+  const Image shorter{40, 10, std::vector<std::uint8_t>(4 * 40 * 10, 255)};
+  const Difference other = difference(expected, shorter);
+  CHECK_FALSE(other.same_size);
+  CHECK(other.largest_step == 255);
+  CHECK(other.picture.height == 20);
+}
+
+TEST_CASE("a canvas has one scale, its view in the middle, y down") {
+  render(small_page, [](Pen& pen) {
+    const Canvas canvas(pen, {10, 20, 300, 100}, {-2, -1, 2, 1});
+    CHECK(canvas.points_per_metre() == Approx(50));
+    const Point middle = canvas.to_page(0, 0), below = canvas.to_page(0, 1),
+                right = canvas.to_page(2, 0);
+    CHECK(middle.x == Approx(160));
+    CHECK(middle.y == Approx(70));
+    CHECK(below.x == Approx(160));
+    CHECK(below.y == Approx(120));
+    CHECK(right.x == Approx(260));
+    CHECK(right.y == Approx(70));
+    CHECK_THROWS_AS(Canvas(pen, {0, 0, 10, 10}, {0, 1, 1, 0}), std::invalid_argument);
+  });
+}
+
+TEST_CASE("axes make room for their numbers and so come first") {
+  render(small_page, [](Pen& pen) {
+    Canvas canvas(pen, {0, 0, 320, 200}, {-1, -1, 1, 1});
+    const double before = canvas.points_per_metre();
+    canvas.axes("m");
+    CHECK(canvas.points_per_metre() < before);
+    CHECK(canvas.to_page(-1, -1).y > 10);
+    CHECK(canvas.to_page(1, 1).y < 170);
+    canvas.pin({0, 0});
+    CHECK_THROWS_AS(canvas.axes("m"), std::logic_error);
+
+    Canvas tiny(pen, {0, 0, 20, 20}, {-1, -1, 1, 1});
+    tiny.axes("m");
+    tiny.scale_bar("m");
+    CHECK(tiny.points_per_metre() > 0);
+  });
+}
+
+TEST_CASE("shapes land where the canvas says, and nowhere else") {
+  const Color fill{200, 0, 0};
+  const Image image = render(small_page, [&](Pen& pen) {
+    Canvas canvas(pen, {100, 50, 100, 100}, {0, 0, 10, 10});
+    canvas.box({5, 5}, 6, 2, std::acos(-1.0) / 2, fill, fill);  // upright
+    canvas.disc({0, 10}, 2, fill, fill);                        // a quarter of it is inside
+  });
+  CHECK(same(pixel(image, 150, 75), fill));
+  CHECK_FALSE(same(pixel(image, 175, 100), fill));
+  CHECK(same(pixel(image, 105, 145), fill));
+  CHECK_FALSE(same(pixel(image, 95, 145), fill));
+}
+
+TEST_CASE("long, broken and endless lines are drawn") {
+  const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+  const Color ink = theme("light").ink;
+  const Image image = render(small_page, [&](Pen& pen) {
+    std::vector<Point> points;
+    for (int i = 0; i < 100'000; ++i) points.push_back({i * 0.0032, 40 + 30 * std::sin(i * 1e-2)});
+    pen.polyline(points, ink);
+    const std::vector<Point> broken{{10, 100}, {100, 100}, {nan, 100}, {200, 100}, {300, 100}};
+    pen.polyline(broken, ink, 4);
+    pen.line({-1e300, 150}, {1e300, 150}, ink, 4, Dash::dashed);
+    pen.line({160, 120}, {160, infinity}, ink, 4);
+    pen.arrow({20, 180}, {20, 180}, ink);
+    pen.circle({nan, 0}, 5, ink);
+  });
+  CHECK(same(pixel(image, 50, 100), ink));
+  CHECK_FALSE(same(pixel(image, 150, 100), ink));
+  CHECK(same(pixel(image, 250, 100), ink));
+  int dashes = 0;
+  for (int x = 0; x < 320; ++x) dashes += same(pixel(image, x, 150), ink) ? 1 : 0;
+  CHECK(dashes > 100);
+  CHECK(dashes < 250);
+  CHECK_FALSE(same(pixel(image, 20, 180), ink));
+}
+
+TEST_CASE("every sign that the lessons use has a glyph of its own") {
+  render(small_page, [](Pen& pen) {
+    const double missing = pen.text_width("\u4e2d");  // no font here has Chinese
+    for (const char* sign : {"²", "·", "×", "±", "°", "λ", "ω", "Δ", "⁰", "⁹", "⁻", "₀", "₉", "−",
+                             "≈", "≤", "≥", "→", "√", "∇", "∂", "∞", "–", "—", "…", "ẋ", "ᵀ"}) {
+      CAPTURE(sign);
+      CHECK(pen.text_width(sign) != missing);
+    }
+  });
+}
+
+TEST_CASE("linear ticks are round numbers") {
+  using Labels = std::vector<std::string>;
+  CHECK(labels(linear_ticks(0, 10, 6)) == Labels{"0", "2", "4", "6", "8", "10"});
+  CHECK(labels(linear_ticks(-0.1, 0.11, 4)) == Labels{"−0.1", "0", "0.1"});
+  CHECK(labels(linear_ticks(0, 2e6, 3)) == Labels{"0", "1×10⁶", "2×10⁶"});
+  CHECK(linear_ticks(1, 1, 5).empty());
+  CHECK(linear_ticks(1, std::nextafter(1, 2), 5).empty());
+}
+
+TEST_CASE("log ticks are decades, thinned when there are many") {
+  using Labels = std::vector<std::string>;
+  CHECK(labels(log_ticks(1e-3, 1, 9)) == Labels{"10⁻³", "10⁻²", "10⁻¹", "10⁰"});
+  CHECK(labels(log_ticks(2e-13, 3, 5)) == Labels{"10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "10⁰"});
+  CHECK(labels(log_ticks(2, 30, 9)) == Labels{"2", "5", "10", "20"});
+  CHECK(labels(log_ticks(1e-9, 4e-9, 9)) == Labels{"10⁻⁹", "2×10⁻⁹"});
+  const auto ticks = log_ticks(1, 100, 9);
+  CHECK(ticks.size() == 3 + 2 * 8);  // with the minor ones
+  for (const Tick& tick : ticks) CHECK((tick.value > 0.99 && tick.value < 101));
+}
+
+TEST_CASE("plots draw what they can of any data") {
+  const double nan = std::nan("");
+  const auto draw_it = [](const Plot& plot) {
+    return painted(render(small_page, [&](Pen& pen) { draw_plot(pen, {0, 0, 320, 200}, plot); }));
+  };
+  const std::size_t empty = draw_it({});
+  CHECK(empty > 500);  // its axes
+  CHECK(draw_it({.curves = {{.points = {{3, 4}}, .markers = true}}}) > 500);
+  CHECK(draw_it({.y = {.log = true}, .curves = {{.points = {{0, 0}, {1, -1}, {2, nan}}}}}) > 500);
+  CHECK(draw_it({.y = {.log = true}, .curves = {{.points = {{0, 1e-300}, {1, 1e300}}}}}) > 500);
+  CHECK(draw_it({.x = {.max = -5.0}, .curves = {{.label = "right", .points = {{1, 1}, {2, 2}}}}}) >
+        500);
+  CHECK_THROWS_AS(draw_it({.x = {.min = 2.0, .max = 1.0}}), std::invalid_argument);
+  CHECK_THROWS_AS(draw_it({.y = {.log = true, .min = 0.0}}), std::invalid_argument);
+  CHECK_THROWS_AS(draw_it({.y = {.max = nan}}), std::invalid_argument);
+  CHECK_THROWS_AS(draw_it({.slopes = {{1, "", {1, 1}}}}), std::invalid_argument);
+}
+
+TEST_CASE("a theme is light or dark") {
+  CHECK(theme("dark").name == "dark");
+  CHECK_THROWS_AS(theme("sepia"), std::invalid_argument);
+  CHECK(theme("light").ink.faded(0.5).a == 128);
+}

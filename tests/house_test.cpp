@@ -1,0 +1,151 @@
+// The rules of the house: who may know whom. Read from the sources and from the built programs.
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path source = TUTORIAL_SOURCE;
+
+std::vector<fs::path> sources(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(source / folder))
+    if (entry.path().extension() == ".hpp" || entry.path().extension() == ".cpp")
+      files.push_back(entry.path());
+  return files;
+}
+
+std::vector<std::string> includes(const fs::path& file) {
+  static const std::regex include("\\s*#\\s*include\\s*[<\"]([^>\"]+)[>\"].*");
+  std::vector<std::string> names;
+  std::ifstream stream(file);
+  std::smatch match;
+  for (std::string line; std::getline(stream, line);)
+    if (std::regex_match(line, match, include)) names.push_back(match[1]);
+  return names;
+}
+
+bool starts_with_any(const std::string& text, const std::vector<std::string>& starts) {
+  return std::any_of(starts.begin(), starts.end(),
+                     [&](const std::string& start) { return text.starts_with(start); });
+}
+
+std::string output(const std::string& command) {
+  std::string text;
+  std::FILE* pipe = popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  std::array<char, 4096> buffer{};
+  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) text += buffer.data();
+  CHECK(pclose(pipe) == 0);
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("the folders of common include only what stands below them") {
+  const std::map<std::string, std::set<std::string>> may_include{
+      {"integrators", {"integrators"}},
+      {"draw", {"draw"}},
+      {"measure", {"measure", "integrators"}},
+      {"dynamics", {"dynamics"}},
+      {"joints", {"joints", "dynamics"}},
+      {"program", {"program", "measure", "draw", "integrators"}},
+      {"parabola", {"parabola", "measure", "draw"}},
+      {"mechanism", {"mechanism", "dynamics", "joints", "measure", "draw"}},
+  };
+  for (const auto& entry : fs::directory_iterator(source / "common")) {
+    if (!entry.is_directory()) continue;
+    const std::string folder = entry.path().filename();
+    INFO("common/" << folder);
+    REQUIRE(may_include.contains(folder));
+    for (const fs::path& file : sources("common/" + folder))
+      for (const std::string& name : includes(file)) {
+        const std::string first = name.substr(0, name.find('/'));
+        INFO(file.filename().string() << " includes " << name);
+        if (fs::is_directory(source / "common" / first))
+          CHECK(may_include.at(folder).contains(first));
+      }
+  }
+}
+
+TEST_CASE("no chapter includes another, and chapters 1 and 2 know no solver") {
+  for (const auto& chapter : fs::directory_iterator(source / "chapters")) {
+    if (!chapter.is_directory()) continue;
+    const std::string folder = chapter.path().filename();
+    for (const fs::path& file : sources("chapters/" + folder))
+      for (const std::string& name : includes(file)) {
+        INFO(file << " includes " << name);
+        CHECK(name.find("..") == std::string::npos);
+        CHECK(name.find("chapters") == std::string::npos);
+        if (folder.starts_with("01") || folder.starts_with("02"))
+          CHECK_FALSE(starts_with_any(name, {"dynamics/", "joints/", "mechanism/"}));
+      }
+  }
+}
+
+TEST_CASE("drawing libraries stay in common/draw, Boost.Math in exact.hpp and measure") {
+  for (const char* folder : {"common", "chapters"})
+    for (const fs::path& file : sources(folder)) {
+      const bool draw = file.parent_path().filename() == "draw";
+      const bool exact =
+          file.filename() == "exact.hpp" || file.parent_path().filename() == "measure";
+      const bool test = file.filename() == "test.cpp";
+      for (const std::string& name : includes(file)) {
+        INFO(file << " includes " << name);
+        if (!draw) CHECK_FALSE(starts_with_any(name, {"imgui", "GL/", "EGL/", "GLFW/", "stb"}));
+        if (draw && file.extension() == ".hpp")
+          CHECK_FALSE(starts_with_any(name, {"imgui", "GL/", "EGL/", "GLFW/", "stb"}));
+        if (!exact && !test) CHECK_FALSE(starts_with_any(name, {"boost/"}));
+      }
+    }
+}
+
+TEST_CASE("the top level holds what the plan names and nothing else") {
+  const std::set<std::string> allowed{"README.md", "CMakeLists.txt", "CMakePresets.json",
+                                      "tutorial",  "chapters",       "common",
+                                      "tests",     "docs",           "LICENSE"};
+  for (const auto& entry : fs::directory_iterator(source)) {
+    const std::string name = entry.path().filename();
+    INFO(name);
+    CHECK((allowed.contains(name) || name.starts_with('.') || name.starts_with("build")));
+  }
+}
+
+TEST_CASE(
+    "chapters 1 and 2 carry no solver, and without pictures no program carries drawing code") {
+  for (const auto& chapter : fs::directory_iterator(source / "chapters")) {
+    if (!chapter.is_directory()) continue;
+    const std::string name = chapter.path().filename(), program = TUTORIAL_BIN "/" + name;
+    INFO(name);
+    const std::string symbols = output("nm -C " + program);
+    CHECK(symbols.find("program::run_chapter") !=
+          std::string::npos);  // the symbols are readable at all
+    if (name.starts_with("01") || name.starts_with("02")) {
+      CHECK(symbols.find("dynamics::") == std::string::npos);
+      CHECK(symbols.find("joints::") == std::string::npos);
+    }
+#ifndef TUTORIAL_PICTURES
+    for (const char* part : {"ImGui", "ImDraw", "egl", "stbi_", "draw::"}) {
+      INFO(part);
+      CHECK(symbols.find(part) == std::string::npos);
+    }
+    const std::string libraries = output("ldd " + program);
+    for (const char* part : {"libEGL", "libGL", "libimgui", "libstb"}) {
+      INFO(part);
+      CHECK(libraries.find(part) == std::string::npos);
+    }
+#endif
+  }
+}

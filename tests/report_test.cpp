@@ -1,0 +1,175 @@
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "catch.hpp"
+#include "measure/clock.hpp"
+#include "measure/ladder.hpp"
+#include "program/files.hpp"
+#include "program/options.hpp"
+#include "program/report.hpp"
+
+namespace {
+
+/// q̈ = −q from q = 1: q(t) = cos t.
+struct Oscillator {
+  using Vector = double;
+  double blow_up_after = 1e300;
+  void acceleration(double t, double q, double, double& a) const {
+    a = t > blow_up_after ? std::nan("") : -q;
+  }
+  double initial_position() const { return 1.0; }
+  double initial_velocity() const { return 0.0; }
+  measure::Measures measures(double, double q, double v) const {
+    return {0.5 * (q * q + v * v), 0.0, 0.0};
+  }
+  measure::Columns columns() const { return {{"q", "v"}, {}}; }
+  void observe(double, double q, double v, measure::Row& row) const { row.state = {q, v}; }
+};
+
+measure::Ladder ladder() {
+  return {.methods = {{integrators::Name::explicit_euler}, {integrators::Name::rk4}},
+          .duration = 3.0,
+          .coarsest = 0.1,
+          .rungs = 9};
+}
+
+const measure::Errors errors = [](const measure::Row& row) {
+  return std::vector<double>{std::abs(row.state[0] - std::cos(row.t))};
+};
+
+program::Report report(const Oscillator& oscillator) {
+  const auto start = [&](const measure::Method& method) {
+    return std::make_unique<measure::Motion<Oscillator>>(oscillator, method);
+  };
+  return {"Oscillator",
+          3.0,
+          "m",
+          {{"q", "m"}},
+          measure::machine(),
+          measure::climb(ladder(), start, errors, [](double, const std::string&) {})};
+}
+
+}  // namespace
+
+TEST_CASE("a motion keeps time without gathering rounding") {
+  measure::Motion<Oscillator> motion(Oscillator{}, {});
+  motion.advance(1000000, 1e-3);
+  CHECK(motion.time() == 1000.0);
+  CHECK(motion.evaluations() == 4000000);
+  motion.restart();
+  CHECK(motion.time() == 0.0);
+  CHECK(motion.evaluations() == 0);
+}
+
+TEST_CASE("a ladder has the promised rungs, evaluations and orders") {
+  const program::Report result = report({});
+  CHECK(program::methods(result) == std::vector<std::string>{"explicit_euler", "rk4"});
+  CHECK(result.rungs.size() >= 16);
+  const measure::Rung* coarse = nullptr;
+  for (const measure::Rung& rung : result.rungs) {
+    CHECK(static_cast<double>(rung.steps) * rung.step == Approx(3.0));
+    CHECK(rung.evaluations == rung.steps * (rung.method == "rk4" ? 4 : 1));
+    CHECK(rung.seconds > 0.0);
+    if (coarse != nullptr && coarse->method == rung.method && rung.errors[0] > 1e-12 &&
+        rung.step < 0.02)
+      CHECK(measure::observed_order(*coarse, rung) == Approx(rung.order).margin(0.15));
+    coarse = &rung;
+  }
+}
+
+TEST_CASE("a failed run is a row that says why") {
+  const program::Report result = report({.blow_up_after = 1.5});
+  REQUIRE(!result.rungs.empty());
+  for (const measure::Rung& rung : result.rungs) {
+    CHECK(rung.errors.empty());
+    CHECK(rung.failure.find("finite") != std::string::npos);
+  }
+  CHECK(program::table(result).find("failed") != std::string::npos);
+  CHECK(program::csv(result).find("nan") == std::string::npos);
+}
+
+TEST_CASE("a report survives its own file") {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("report_test_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const program::Report before = report({});
+  program::write_file(folder / "r.csv", program::csv(before));
+  const program::Report after = program::read_csv(folder / "r.csv");
+  CHECK(program::csv(after) == program::csv(before));
+  CHECK(program::table(after).size() > 100);
+  std::ofstream(folder / "broken.csv") << "method,order\nrk4,four\n";
+  CHECK_THROWS_WITH(program::read_csv(folder / "broken.csv"), Catch::Contains("does not fit"));
+  CHECK_THROWS(program::read_csv(folder / "missing.csv"));
+  std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("time to reach is the cheapest run below the level") {
+  program::Report result{"t", 1.0, "m", {{"q", "m"}}, {}, {}};
+  const auto add = [&](double seconds, const std::vector<double>& error) {
+    result.rungs.push_back(
+        {"rk4", 4, 0.1, 10, 40, seconds, error, 0.0, 0.0, error.empty() ? "failed" : ""});
+  };
+  add(0.1, {});
+  add(1.0, {1e-2});
+  add(2.0, {1e-4});
+  add(3.0, {1e-5});
+  CHECK(program::time_to_reach(result, "rk4", 1e-3) == 2.0);
+  CHECK(program::time_to_reach(result, "rk4", 1e-2) == 1.0);
+  CHECK(std::isinf(program::time_to_reach(result, "rk4", 1e-9)));
+}
+
+TEST_CASE("a file appears whole or not at all") {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("files_test_" + std::to_string(getpid()));
+  program::make_folder(folder / "a" / "b");
+  CHECK(std::filesystem::is_empty(folder / "a" / "b"));
+  {
+    program::NewFile file(folder / "dropped");
+    file.write("half");
+  }
+  CHECK(!std::filesystem::exists(folder / "dropped"));
+  program::write_file(folder / "kept", "whole");
+  CHECK(std::filesystem::file_size(folder / "kept") == 5);
+  CHECK_THROWS_WITH(program::write_file(folder / "missing" / "file", "x"),
+                    Catch::Contains("No such file"));
+  CHECK_THROWS_WITH(program::make_folder(folder / "kept" / "sub"), Catch::Contains("cannot make"));
+  CHECK_THROWS_WITH(program::write_file(folder / "a", "x"), Catch::Contains("not a file"));
+  std::filesystem::remove(folder / "kept");
+  CHECK(std::distance(std::filesystem::directory_iterator(folder), {}) == 1);
+  std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("numbers on the command line are read whole and in their range") {
+  using program::number;
+  CHECK(number("--a", "1e3", program::any) == 1000.0);
+  CHECK(number("--a", "-0.5", program::any) == -0.5);
+  CHECK(number("--a", "+2", program::any) == 2.0);
+  for (const char* bad :
+       {"", "x", "1x", "nan", "inf", "-inf", "1e400", "1e-400x", "0x10", "1,5", " 1"}) {
+    INFO(bad);
+    CHECK_THROWS_AS(number("--a", bad, program::any), program::UsageError);
+  }
+  CHECK_THROWS_WITH(number("--mass", "-1", program::positive),
+                    Catch::Contains("--mass -1") && Catch::Contains("allowed"));
+}
+
+TEST_CASE("the last step is shorter where the duration is no whole number of steps") {
+  program::RunOptions run{.duration = 1.0, .step = 0.3};
+  CHECK(run.whole_steps() == 3);
+  CHECK(run.remainder() == Approx(0.1));
+  run.step = 0.1;
+  CHECK(run.whole_steps() == 10);
+  CHECK(run.remainder() == 0.0);
+  run.step = 2.0;
+  CHECK(run.whole_steps() == 0);
+  CHECK(run.remainder() == 1.0);
+}
+
+TEST_CASE("the clock counts work, not waiting") {
+  const double before = measure::cpu_seconds();
+  usleep(50000);
+  CHECK(measure::cpu_seconds() - before < 0.02);
+}
