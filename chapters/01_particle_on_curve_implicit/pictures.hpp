@@ -8,7 +8,7 @@
 
 namespace particle_on_curve {
 
-/// The pictures of the lesson: scene, motion, drift, stabilization, erratum.
+/// The pictures of the lesson: scene, motion, drift, stabilization, erratum, turned_off.
 std::vector<program::Picture> pictures(const parabola::Scene& scene,
                                        const program::RunOptions& run);
 

@@ -11,6 +11,7 @@
 #include "exact.hpp"
 #include "measure/ladder.hpp"
 #include "parabola/implicit_bead.hpp"
+#include "turned_off.hpp"
 
 #ifdef TUTORIAL_PICTURES
 #include "picture_check.hpp"
@@ -25,6 +26,7 @@ using parabola::ExactMotion;
 using parabola::ImplicitBead;
 using parabola::Scene;
 using particle_on_curve::AsPrinted;
+using particle_on_curve::WithoutJdotV;
 
 namespace {
 
@@ -34,14 +36,14 @@ using Real = boost::multiprecision::cpp_bin_float_50;
 /// Time from rest at x0 to x0 + part·(x1 − x0), x1 the other turning point, from the energy
 /// integral ½ m q̇² (1 + q²/p²) = V(x0) − V(q). With q = x0 + (x1 − x0) sin²u the root at both ends
 /// cancels: V(x0) − V(q) = (m g/2p) (q − x0)(x1 − q).
-Real time_to(const Scene& scene, Real part) {
+Real time_to(const Scene& scene, const Real& part) {
   const Real p = scene.p, g = scene.gravity, x0 = scene.x0;
   const Real x1 = 2 * p * Real(scene.force_x) / (Real(scene.mass) * g) - x0;
-  const auto dt_du = [&](Real u) {
+  const auto dt_du = [&](const Real& u) {
     const Real s = sin(u), q = x0 + (x1 - x0) * s * s;
     return 2 * sqrt(p / g * (1 + q * q / (p * p)));
   };
-  const auto integrate = [&](Real a, Real b) {
+  const auto integrate = [&](const Real& a, const Real& b) {
     return boost::math::quadrature::gauss_kronrod<Real, 61>::integrate(dt_du, a, b, 14,
                                                                        Real(1e-30));
   };
@@ -317,6 +319,33 @@ TEST_CASE("projection keeps the bead on the curve to rounding, feedback brings i
   Motion<Off> fed(Off(Scene{}, 25.0, 10.0), {});
   fed.advance(1000, 1e-3);
   CHECK(fed.measures().constraint_error == Approx(100.0 * 6.0 * std::exp(-5.0)).epsilon(1e-8));
+}
+
+TEST_CASE("without J̇v the constraint gives way by C̈ = 2 vx²") {
+  const Scene scene;
+  const Vector2d x(30, -9), v(5, -3);
+  Vector2d a;
+  WithoutJdotV(scene).acceleration(0, x, v, a);
+  const double Cddot = 2 * v.x() * v.x() + ImplicitBead(scene).gradient(x).dot(a);
+  CHECK(Cddot == Approx(2 * 5.0 * 5.0));
+}
+
+TEST_CASE("solution 1: the horizontal force that holds the particle at x0 is m g x0/p") {
+  const Scene scene{.x0 = 100.0, .mass = 2.0, .force_x = 2.0 * 9.81 * 100.0 / 50.0};
+  Motion<ImplicitBead> bead = motion(scene);
+  bead.advance(1000, 0.01);
+  CHECK((bead.q() - Vector2d(100, -100)).norm() < 1e-10);
+}
+
+TEST_CASE("solution 2: at the bottom the curve carries m g (1 + x0²/p²)") {
+  for (const double x0 : {10.0, 100.0, 300.0}) {
+    const Scene scene{.x0 = x0, .mass = 3.0};
+    const double v = std::sqrt(2 * 9.81 * x0 * x0 / 100.0);  // all of the height has become speed
+    const Vector2d force =
+        ImplicitBead(scene).constraint_force({0, 0}, {v, 0}, scene.applied_force());
+    CHECK(force.x() == 0.0);
+    CHECK(-force.y() == Approx(3.0 * 9.81 * (1 + x0 * x0 / 2500.0)));
+  }
 }
 
 TEST_CASE("a step allocates nothing") {

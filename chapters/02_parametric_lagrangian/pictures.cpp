@@ -11,6 +11,7 @@
 #include "parabola/implicit_bead.hpp"
 #include "parabola/pictures.hpp"
 #include "parametric_bead.hpp"
+#include "turned_off.hpp"
 
 namespace parametric_lagrangian {
 namespace {
@@ -180,10 +181,26 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
                                 dashes, colors);
 }
 
+Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
+  measure::Motion<WithoutVelocityTerm> without(WithoutVelocityTerm(scene), {});
+  Parametric with(ParametricBead(scene), {});
+  const std::vector<program::Drift> drifts{
+      program::drift("without −q (dq/dt)²", without, run.duration, run.step),
+      program::drift("with −q (dq/dt)²", with, run.duration, run.step)};
+  const std::string caption = fmt::format(
+      "Both stay on the curve to rounding. Without the velocity term the energy is off by {} J, "
+      "with it by "
+      "{} J (rk4, step {:g} s).",
+      program::figure(drifts[0].largest_energy_error),
+      program::figure(drifts[1].largest_energy_error), run.step);
+  return program::drift_picture("turned_off", "The velocity term, left out", caption, drifts, "m²");
+}
+
 }  // namespace
 
 std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
-  return {scene_picture(scene, run), motion_picture(scene, run), drift_picture(scene, run)};
+  return {scene_picture(scene, run), motion_picture(scene, run), drift_picture(scene, run),
+          turned_off_picture(scene, run)};
 }
 
 Picture picture_at(const Scene& scene, const RunOptions& run, double t) {

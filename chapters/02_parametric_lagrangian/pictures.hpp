@@ -8,7 +8,7 @@
 
 namespace parametric_lagrangian {
 
-/// The pictures of the lesson: scene, motion (the article's side by side), drift.
+/// The pictures of the lesson: scene, motion (the article's side by side), drift, turned_off.
 std::vector<program::Picture> pictures(const parabola::Scene& scene,
                                        const program::RunOptions& run);
 

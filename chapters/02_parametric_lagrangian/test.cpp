@@ -143,6 +143,27 @@ TEST_CASE("RK4 keeps the energy that explicit Euler feeds and semi-implicit Eule
   CHECK(std::abs(energy(integrators::Name::rk4) - start) < 1e-4 * start);
 }
 
+TEST_CASE("solution 1: a small swing is an oscillator of frequency √(g/p)") {
+  const Scene scene{.x0 = 1e-3};
+  Motion<ParametricBead> bead = motion(scene);
+  bead.advance(10000, 1e-3);
+  CHECK(bead.q() == Approx(1e-3 * std::cos(std::sqrt(9.81 / 50.0) * 10.0)).epsilon(1e-8));
+}
+
+TEST_CASE("solution 2: the generalised momentum changes by the generalised force and ∂T/∂q") {
+  // p_q = m q̇ (1 + q²/p²); its rate along the motion against ∂L/∂q = m q q̇²/p² − m g q/p.
+  const double h = 1e-3;
+  Motion<ParametricBead> bead = motion({});
+  const auto momentum = [&] { return bead.v() * (1 + bead.q() * bead.q() / 2500.0); };
+  bead.advance(4000, h);
+  const double before = momentum();
+  bead.advance(1, h);
+  const double q = bead.q(), qdot = bead.v();
+  bead.advance(1, h);
+  CHECK((momentum() - before) / (2 * h) ==
+        Approx(q * qdot * qdot / 2500.0 - 9.81 * q / 50.0).epsilon(1e-5));
+}
+
 TEST_CASE("a step allocates nothing") {
   Motion<ParametricBead> bead = motion({});
   const long before = allocations();

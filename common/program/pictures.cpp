@@ -11,7 +11,7 @@
 namespace program {
 
 std::string figure(double value, int digits) {
-  const std::string scientific = fmt::format("{:.{}e}", value, digits - 1);
+  std::string scientific = fmt::format("{:.{}e}", value, digits - 1);
   const std::size_t e = scientific.find('e');
   if (e == std::string::npos) return scientific;  // not finite
   const int exponent = std::stoi(scientific.substr(e + 1));
@@ -100,7 +100,7 @@ Drift drift(std::string label, measure::Simulation& simulation, double duration,
   return result;
 }
 
-Picture drift_picture(std::string name, std::string title, std::string caption,
+Picture drift_picture(std::string name, const std::string& title, const std::string& caption,
                       const std::vector<Drift>& drifts, const std::string& constraint_unit,
                       std::vector<draw::Dash> dashes, std::vector<int> colors) {
   return {std::move(name), [=](draw::Pen& pen) {

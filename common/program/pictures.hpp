@@ -42,7 +42,7 @@ Drift drift(std::string label, measure::Simulation& simulation, double duration,
 
 /// One curve of each drift in two plots side by side: |C| and energy error, both logarithmic. A
 /// dash for each drift may be given.
-Picture drift_picture(std::string name, std::string title, std::string caption,
+Picture drift_picture(std::string name, const std::string& title, const std::string& caption,
                       const std::vector<Drift>& drifts, const std::string& constraint_unit,
                       std::vector<draw::Dash> dashes = {}, std::vector<int> colors = {});
 

@@ -26,6 +26,33 @@ std::string order_text(const measure::Rung* coarse, const measure::Rung& fine, s
   return std::isfinite(order) ? fmt::format("{:.2f}", order) : "";
 }
 
+std::string time_table(const Report& report) {
+  const auto& first = report.quantities.front();
+  std::string text = fmt::format("{:<34}", fmt::format("time to reach, ms ({} error)", first.name));
+  for (const double level : error_levels)
+    text += fmt::format("{:>14}", fmt::format("{:g} {}", level, first.unit));
+  text += "\n";
+  std::vector<std::string> names = methods(report);
+  const auto price = [&](const std::string& name) {  // fastest first, by the hardest level reached
+    std::vector<double> times;
+    for (const double level : error_levels)
+      times.insert(times.begin(), time_to_reach(report, name, level));
+    return times;
+  };
+  std::stable_sort(names.begin(), names.end(),
+                   [&](const auto& a, const auto& b) { return price(a) < price(b); });
+  for (const std::string& name : names) {
+    text += fmt::format("  {:<32}", name);
+    for (const double level : error_levels) {
+      const double seconds = time_to_reach(report, name, level);
+      text += std::isfinite(seconds) ? fmt::format("{:>14.3g}", 1e3 * seconds)
+                                     : fmt::format("{:>14}", "not reached");
+    }
+    text += "\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 std::vector<std::string> methods(const Report& report) {
@@ -42,6 +69,12 @@ double time_to_reach(const Report& report, const std::string& method, double lev
     if (rung.method == method && !rung.errors.empty() && rung.errors[0] <= level)
       least = std::min(least, rung.seconds);
   return least;
+}
+
+std::string short_table(const Report& report) {
+  std::string machine;
+  for (const std::string& line : report.machine) machine += (machine.empty() ? "" : "; ") + line;
+  return time_table(report) + machine + "\n";
 }
 
 std::string table(const Report& report) {
@@ -72,30 +105,7 @@ std::string table(const Report& report) {
     coarse = &rung;
   }
 
-  const auto& first = report.quantities.front();
-  text += fmt::format("\n{:<34}", fmt::format("time to reach, ms ({} error)", first.name));
-  for (const double level : error_levels)
-    text += fmt::format("{:>14}", fmt::format("{:g} {}", level, first.unit));
-  text += "\n";
-  std::vector<std::string> names = methods(report);
-  const auto price = [&](const std::string& name) {  // fastest first, by the hardest level reached
-    std::vector<double> times;
-    for (const double level : error_levels)
-      times.insert(times.begin(), time_to_reach(report, name, level));
-    return times;
-  };
-  std::stable_sort(names.begin(), names.end(),
-                   [&](const auto& a, const auto& b) { return price(a) < price(b); });
-  for (const std::string& name : names) {
-    text += fmt::format("  {:<32}", name);
-    for (const double level : error_levels) {
-      const double seconds = time_to_reach(report, name, level);
-      text += std::isfinite(seconds) ? fmt::format("{:>14.3g}", 1e3 * seconds)
-                                     : fmt::format("{:>14}", "not reached");
-    }
-    text += "\n";
-  }
-  return text;
+  return text + "\n" + time_table(report);
 }
 
 std::string csv(const Report& report) {

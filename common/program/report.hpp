@@ -28,7 +28,11 @@ double time_to_reach(const Report& report, const std::string& method, double lev
 /// The methods of the report, in the order of its rungs.
 std::vector<std::string> methods(const Report& report);
 
-/// The table for the eye: machine, all rungs with their orders, then the time to reach each level.
+/// The time to reach each level, each method, fastest first, under a line on the machine.
+std::string short_table(const Report& report);
+
+/// The whole table for the eye: machine, all rungs with their orders, then the time to reach each
+/// level.
 std::string table(const Report& report);
 
 /// The same as comma-separated values: comment lines "# name: value" for all but the rungs, a
