@@ -93,7 +93,7 @@ TEST_CASE("help names every option with its unit and exits with 0") {
     const Result run = shell(program(chapter) + " run --help");
     CHECK(run.status == 0);
     for (const char* option : {"--duration [s]", "--step [s]", "--integrator", "--stabilization",
-                               "--ks [1/s²]", "--kd [1/s]", "--every [s]", "--csv FILE"}) {
+                               "--ks [1/s^2]", "--kd [1/s]", "--every [s]", "--csv FILE"}) {
       INFO(option);
       CHECK(holds(run.out, option));
     }
@@ -251,6 +251,6 @@ TEST_CASE("feedback beyond the limit of the step is warned about once") {
   const Result wild = shell(p + "--ks 90000");
   CHECK(wild.status == 0);
   CHECK(std::count(wild.err.begin(), wild.err.end(), '\n') == 1);
-  CHECK(holds(wild.err, "stable up to 0.00928"));  // 2.7853 / 300
+  CHECK(holds(wild.err, "up to 0.00928 s"));  // 2.7853 / 300
   CHECK(shell(p + "--ks 100").err.empty());
 }

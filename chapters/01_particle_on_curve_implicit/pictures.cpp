@@ -88,8 +88,9 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
                 {x, scene.height(x)}, fmt::format("C(x, y) = x² + 2py = 0,  p = {:g} m", scene.p),
                 canvas.theme().track, draw::Font::bold,
                 x < 0.0 ? draw::Align::left : draw::Align::right, {x < 0.0 ? 16.0 : -16.0, -8.0});
-            canvas.arrow(point(instant.x), point(scale * sum), canvas.theme().muted,
-                         fmt::format("sum {:.2f} N", sum.norm()));
+            canvas.arrow(point(instant.x), point(scale * sum), canvas.theme().muted);
+            canvas.label(point(instant.x + scale * sum), fmt::format("sum {:.2f} N", sum.norm()),
+                         canvas.theme().muted, draw::Font::text, draw::Align::right, {-36.0, 0.0});
             draw_forces(canvas, scene, instant, scale);
             parabola::draw_bead(canvas, instant.x);
           }};
@@ -107,8 +108,8 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
     instants.push_back(now(scene, particle));
     largest = std::max(largest, instants.back().constraint_force.norm());
   }
-  const draw::View view = parabola::view(scene, {scene, half}, 0.06, 0.07);
-  const double scale = force_scale(scene, largest, view, 0.22);
+  const draw::View view = parabola::view(scene, {scene, half}, 0.08, 0.07);
+  const double scale = force_scale(scene, largest, view, 0.34);
   const Instant& middle = instants[exposures / 2];
   const double weight = scene.applied_force().y();
   std::string caption = fmt::format("At t = {:.2f} s the curve carries {:.2f} N", middle.t,
@@ -130,7 +131,7 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
           parabola::draw_bead(canvas, instant.x,
                               0.35 + 0.65 * static_cast<double>(i) / (exposures - 1));
           const double side = instant.x.x() > 1e-9 * scene.x0 ? 1.0 : -1.0;
-          canvas.label(point(instant.x), fmt::format("{:.1f} s", instant.t), canvas.theme().muted,
+          canvas.label(point(instant.x), fmt::format("{:.2f} s", instant.t), canvas.theme().muted,
                        draw::Font::small, side > 0.0 ? draw::Align::left : draw::Align::right,
                        {12.0 * side, 12.0});
         }
@@ -160,18 +161,18 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
 }
 
 Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
-  const double step = 20.0 * run.step;  // coarse enough that RK4 has something to correct
+  const double duration = 10.0 * run.duration;  // long enough to tell what grows from what does not
   std::vector<program::Drift> drifts;
   for (const measure::Method& method :
        {measure::Method{},
         measure::Method{integrators::Name::rk4, Stabilization::feedback, 4.0, 4.0},
         measure::Method{integrators::Name::rk4, Stabilization::projection}})
-    drifts.push_back(drift(scene, method, run.duration, step));
+    drifts.push_back(drift(scene, method, duration, run.step));
   const std::string caption = fmt::format(
-      "RK4 with a coarse step of {:g} s: largest |C| {} m² alone, {} m² with feedback (ks "
-      "= 4, kd = 4), "
-      "rounding with projection.",
-      step, program::figure(drifts[0].largest_constraint_error),
+      "RK4, {:g} s with a step of {:g} s: largest |C| {} m² alone, {} m² with feedback (ks = 4, kd "
+      "= 4), rounding "
+      "with projection.",
+      duration, run.step, program::figure(drifts[0].largest_constraint_error),
       program::figure(drifts[1].largest_constraint_error));
   return program::drift_picture("stabilization", "Holding the drift down", caption, drifts, "m²");
 }
@@ -229,7 +230,7 @@ Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
       "t = {:.3f} s: x = {:.3f} m, speed {:.3f} m/s, |C| = {} m² ({}, step {:g} s).", instant.t,
       instant.x.x(), instant.v.norm(), program::figure(particle.measures().constraint_error),
       run.method.label(), run.step);
-  return {fmt::format("at_{:g}s", t), [=](draw::Pen& pen) {
+  return {fmt::format("at_{}s", t), [=](draw::Pen& pen) {
             Canvas canvas(pen, draw::page(pen, "A particle on the curve x² + 2py = 0", caption),
                           view);
             canvas.axes("m");

@@ -119,7 +119,6 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
                 pen, draw::page(pen, "One coordinate q for one degree of freedom", caption), view);
             canvas.axes("m");
             parabola::draw_track(canvas, scene, view);
-            canvas.origin({0.0, 0.0});
             const double top = view.top + 0.04 * (view.bottom - view.top);
             const std::vector<draw::Point> down{{x.x(), x.y()}, {x.x(), 0.0}};
             canvas.curve(down, canvas.theme().muted, 1.2, draw::Dash::dashed);
@@ -173,7 +172,7 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
   const std::string caption = fmt::format(
       "RK4, step {:g} s, {:g} s: the implicit particle strays to |C| = {} m², the "
       "parametric one only by rounding; "
-      "both energies drift, by {} J and {} J.",
+      "the energies are off by at most {} J and {} J.",
       run.step, run.duration, program::figure(drifts[4].largest_constraint_error),
       program::figure(drifts[4].largest_energy_error),
       program::figure(drifts[5].largest_energy_error));
@@ -193,7 +192,14 @@ Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
       "{} J (rk4, step {:g} s).",
       program::figure(drifts[0].largest_energy_error),
       program::figure(drifts[1].largest_energy_error), run.step);
-  return program::drift_picture("turned_off", "The velocity term, left out", caption, drifts, "m²");
+  return {"turned_off", [=](draw::Pen& pen) {
+            draw::Plot plot{.x = {.label = "time [s]", .min = 0.0, .max = run.duration},
+                            .y = {.label = "energy error [J]", .log = true}};
+            for (const program::Drift& drift : drifts)
+              plot.curves.push_back(
+                  {.label = drift.label, .points = drift.energy_error, .thickness = 2.2});
+            draw::draw_plot(pen, draw::page(pen, "The velocity term, left out", caption), plot);
+          }};
 }
 
 }  // namespace
@@ -208,7 +214,7 @@ Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
   const Pair both = pair(scene, run.method.integrator, t, run.step);
   const std::string caption =
       fmt::format("t = {:g} s, step {:g} s; the ring is the exact place.", t, run.step);
-  return {fmt::format("at_{:g}s", t), [=](draw::Pen& pen) {
+  return {fmt::format("at_{}s", t), [=](draw::Pen& pen) {
             draw_rows(pen, draw::page(pen, "The same motion in two descriptions", caption), scene,
                       {{name, both}}, t);
           }};

@@ -10,44 +10,54 @@
 namespace measure {
 namespace {
 
-/// A run is repeated until it has been timed this often and for this long.
-constexpr int least_repeats = 3;
-constexpr double least_seconds = 0.004;
+/// A run is timed in samples long enough for the clock, of as many runs as that takes; the fastest
+/// of several samples is the one that was disturbed least.
+constexpr int samples = 5;
+constexpr double sample_seconds = 5e-4;
 
 /// The largest errors over a run are looked up at no more than this many evenly spaced times, so
 /// that looking costs less than running; the last state is always among them.
 constexpr long most_looks = 2000;
 
-void look(Simulation& simulation, double initial_energy, Rung& rung) {
+void look(Simulation& simulation, double initial_balance, Rung& rung) {
   const Measures now = simulation.measures();
+  if (!now.finite())
+    throw Diverged(at(simulation.time()) + "the energy or an error is no longer finite");
   rung.constraint_error = std::max(rung.constraint_error, now.constraint_error);
-  rung.energy_error = std::max(rung.energy_error, std::abs(now.energy - initial_energy));
+  rung.energy_error = std::max(rung.energy_error, std::abs(now.balance() - initial_balance));
 }
 
 void run_for_errors(Simulation& simulation, const Errors& errors, Rung& rung) {
-  const double initial_energy = simulation.measures().energy;
+  const double initial_balance = simulation.measures().balance();
   const long stride = std::max(1L, rung.steps / most_looks);
   for (long done = 0; done < rung.steps;) {
     const long steps = std::min(stride, rung.steps - done);
     simulation.advance(steps, rung.step);
     done += steps;
-    look(simulation, initial_energy, rung);
+    look(simulation, initial_balance, rung);
   }
   rung.evaluations = simulation.evaluations();
   rung.errors = errors(simulation.row());
+  for (const double error : rung.errors)
+    if (!std::isfinite(error))
+      throw Diverged(at(simulation.time()) + "the error is no longer finite");
 }
 
 double run_for_time(Simulation& simulation, const Rung& rung) {
-  double best = std::numeric_limits<double>::infinity(), total = 0.0;
-  for (int repeat = 0; repeat < least_repeats || total < least_seconds; ++repeat) {
-    simulation.restart();
+  const auto sample = [&](long runs) {
     const double before = cpu_seconds();
-    simulation.advance(rung.steps, rung.step);
-    const double seconds = cpu_seconds() - before;
-    best = std::min(best, seconds);
-    total += seconds + 1e-6;  // a run too short for the clock must not be repeated for ever
-  }
-  return best;
+    for (long run = 0; run < runs; ++run) {
+      simulation.restart();
+      simulation.advance(rung.steps, rung.step);
+    }
+    return cpu_seconds() - before;
+  };
+  long runs = 1;
+  double seconds = sample(runs);
+  while (seconds < sample_seconds) seconds = sample(runs *= 2);
+  double best = seconds;
+  for (int i = 1; i < samples && i * seconds < 0.5; ++i) best = std::min(best, sample(runs));
+  return best / static_cast<double>(runs);
 }
 
 }  // namespace
@@ -75,6 +85,7 @@ std::vector<Rung> climb(const Ladder& ladder, const Start& start, const Errors& 
         rung.seconds = run_for_time(*simulation, rung);
       } catch (const Diverged& diverged) {
         rung.errors.clear();
+        rung.constraint_error = rung.energy_error = 0.0;
         rung.failure = diverged.what();
       }
       rungs.push_back(rung);

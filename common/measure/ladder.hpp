@@ -27,7 +27,7 @@ struct Rung {
   std::vector<double>
       errors;               ///< of each quantity at the end of the run; empty when the run failed
   double constraint_error;  ///< largest |C| over the run
-  double energy_error;      ///< largest |E - E(0)| over the run [J]; or of the balance
+  double energy_error;      ///< largest change of the energy balance over the run [J]
   std::string failure;      ///< why the run stopped, in words; empty when it did not
 };
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <concepts>
+#include <cstdio>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -16,6 +18,14 @@ struct Measures {
   double energy;            ///< kinetic and potential [J]
   double constraint_error;  ///< largest |C|, in the unit of C
   double velocity_error;    ///< largest |J v|
+  double work = 0.0;        ///< done by loads that have no potential [J]
+
+  /// What stays constant in an exact motion [J].
+  double balance() const { return energy - work; }
+  bool finite() const {
+    return std::isfinite(balance()) && std::isfinite(constraint_error) &&
+           std::isfinite(velocity_error);
+  }
 };
 
 /// One line of a trajectory.
@@ -37,6 +47,13 @@ struct Diverged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// "at t = 3.2 s ", for such a message.
+inline std::string at(double t) {
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), "at t = %.6g s ", t);
+  return text.data();
+}
+
 /// A scene in motion under one method: what the measurements, the tables and the pictures drive.
 class Simulation {
  public:
@@ -54,6 +71,9 @@ class Simulation {
   virtual Measures measures() = 0;
   virtual Row row() = 0;
   virtual Columns columns() const = 0;
+  /// What the user should know of the start, a line each: a state that had to be projected, for
+  /// example.
+  virtual std::vector<std::string> notes() const = 0;
 };
 
 inline bool is_finite(double value) { return std::isfinite(value); }
@@ -106,7 +126,8 @@ class Motion final : public Simulation {
       if constexpr (requires { model_.project(q_, v_); })
         if (projected_) model_.project(q_, v_);
       t_ = t_anchor_ + static_cast<double>(++steps_since_anchor_) * h;
-      if (!is_finite(q_) || !is_finite(v_)) throw Diverged("the state is no longer finite");
+      if (!is_finite(q_) || !is_finite(v_))
+        throw Diverged(at(t_) + "the state is no longer finite");
     }
   }
   // [loop]
@@ -121,6 +142,14 @@ class Motion final : public Simulation {
     return row;
   }
 
+  std::vector<std::string> notes() const override {
+    if constexpr (requires { model_.notes(); })
+      return model_.notes();
+    else
+      return {};
+  }
+
+  M& model() { return model_; }
   const M& model() const { return model_; }
   const Vector& q() const { return q_; }
   const Vector& v() const { return v_; }

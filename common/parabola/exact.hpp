@@ -114,11 +114,12 @@ class ExactMotion {
     } else if (pull_ != 0 && q0_ / pull_ < 0) {
       cut = std::clamp(std::sqrt(-2 * q0_ / pull_), from, to);
     }
-    // Its nodes crowd towards both ends of the interval, and so around the bend.
+    // Its nodes crowd towards both ends of (−1, 1), and so around the bend.
     static boost::math::quadrature::tanh_sinh<Real> rule;
     const auto piece = [this](Real a, Real b) {
-      const auto dt_ds = [this](Real s) { return stretch(position(s)); };
-      return a < b ? rule.integrate(dt_ds, a, b, Real(1e-17)) : Real(0);
+      const Real middle = (a + b) / 2, half = (b - a) / 2;
+      const auto dt_dx = [=, this](Real x) { return half * stretch(position(middle + half * x)); };
+      return a < b ? rule.integrate(dt_dx, Real(1e-17)) : Real(0);
     };
     return piece(from, cut) + piece(cut, to);
   }

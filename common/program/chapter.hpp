@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -29,12 +30,15 @@ struct Chapter {
   /// The scene at t = 0 under a method.
   measure::Start start;
 
-  /// What is compared with the exact answer, and the errors of a row, one for each quantity.
+  /// What is compared with the exact answer, and the errors of a row, one for each quantity; none
+  /// at all for a scene without an exact answer.
   std::vector<measure::Quantity> quantities;
   measure::Errors errors;
 
   /// The methods, steps and duration of `report`.
   measure::Ladder ladder;
+  /// What `report` measures besides: writes its files into the folder and prints their names.
+  std::function<void(const std::filesystem::path& out)> also_report;
 
 #ifdef TUTORIAL_PICTURES
   /// The pictures of the lesson.

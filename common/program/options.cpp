@@ -13,16 +13,17 @@ std::string Range::text() const {
   return fmt::format("a number from {:g} to {:g}", low, high);
 }
 
-double number(const std::string& option, const std::string& text, const Range& allowed) {
+double number(const std::string& option, const std::string& text, const Range& allowed,
+              bool whole) {
   double value = 0.0;
-  const char* first = text.data() + (text.starts_with('+') ? 1 : 0);
+  const char* first = text.data() + (text.starts_with('+') && !text.starts_with("+-") ? 1 : 0);
   const char* last = text.data() + text.size();
   const auto [end, error] = std::from_chars(first, last, value);
   const bool too_small = error == std::errc::result_out_of_range;
   if (error == std::errc::invalid_argument || end != last || first == last || too_small ||
-      !allowed.holds(value))
-    throw UsageError(
-        fmt::format("{} {}: allowed is {}", option, text.empty() ? "''" : text, allowed.text()));
+      !allowed.holds(value) || (whole && value != std::floor(value)))
+    throw UsageError(fmt::format("{} {}: allowed is {}{}", option, text.empty() ? "''" : text,
+                                 allowed.text(), whole ? ", whole" : ""));
   return value;
 }
 

@@ -35,10 +35,12 @@ struct Parameter {
   std::string help;
   double* value;  ///< holds the default
   Range allowed;
+  bool whole = false;  ///< only whole numbers
 };
 
 /// Reads a number; throws UsageError naming the option where it is none or not allowed.
-double number(const std::string& option, const std::string& text, const Range& allowed);
+double number(const std::string& option, const std::string& text, const Range& allowed,
+              bool whole = false);
 
 /// What the shared options say of one run.
 struct RunOptions {

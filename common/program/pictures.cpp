@@ -13,7 +13,7 @@ namespace program {
 std::string figure(double value, int digits) {
   std::string scientific = fmt::format("{:.{}e}", value, digits - 1);
   const std::size_t e = scientific.find('e');
-  if (e == std::string::npos) return scientific;  // not finite
+  if (e == std::string::npos) return "too much";  // not finite
   const int exponent = std::stoi(scientific.substr(e + 1));
   if (value == 0.0) return "0";
   if (exponent >= -3 && exponent < 5)
@@ -72,21 +72,22 @@ Picture error_picture(const Report& report) {
 }
 
 Drift drift(std::string label, measure::Simulation& simulation, double duration, double step) {
-  constexpr long windows = 300;
+  constexpr long windows = 300, least_steps = 8;  // in a window, so that it holds more than zeros
   Drift result;
   result.label = std::move(label);
   simulation.restart();
-  const double initial_energy = simulation.measures().energy;
+  const double initial_balance = simulation.measures().balance();
   const long steps = std::lround(duration / step);
-  const long window = std::max(1L, steps / windows);
+  const long window = std::max(std::min(least_steps, std::max(1L, steps / 20)), steps / windows);
   draw::Point constraint_error, energy_error;
   try {
     for (long done = 1; done <= steps; ++done) {
       simulation.advance(1, step);
       const measure::Measures now = simulation.measures();
+      if (!now.finite()) break;
       constraint_error = {simulation.time(), std::max(constraint_error.y, now.constraint_error)};
       energy_error = {simulation.time(),
-                      std::max(energy_error.y, std::abs(now.energy - initial_energy))};
+                      std::max(energy_error.y, std::abs(now.balance() - initial_balance))};
       if (done % window != 0 && done != steps) continue;
       result.constraint_error.push_back(constraint_error);
       result.energy_error.push_back(energy_error);
@@ -106,10 +107,15 @@ Picture drift_picture(std::string name, const std::string& title, const std::str
   return {std::move(name), [=](draw::Pen& pen) {
             draw::Plot left, right;
             left.title = "off the constraint";
-            left.x = right.x = {.label = "time [s]"};
+            double duration = 0.0;
+            for (const Drift& drift : drifts)
+              if (!drift.energy_error.empty())
+                duration = std::max(duration, drift.energy_error.back().x);
+            left.x =
+                right.x = {.label = "time [s]", .min = 0.0, .max = duration > 0.0 ? duration : 1.0};
             left.y = {.label = fmt::format("|C| [{}]", constraint_unit), .log = true};
-            right.title = "off the energy";
-            right.y = {.label = "|E − E(0)| [J]", .log = true};
+            right.title = "off the energy balance";
+            right.y = {.label = "change of the energy balance [J]", .log = true};
             left.legend = draw::Legend::none;
             right.legend = draw::Legend::none;
             // One legend for both plots, in a row above them.

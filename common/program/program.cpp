@@ -14,7 +14,10 @@
 namespace program {
 namespace {
 
-constexpr double most_steps = 1e9;
+/// A line on standard error; if that cannot be written, there is nobody to tell.
+void say(const std::string& text) { std::fputs(text.c_str(), stderr); }
+
+constexpr double most_steps = 1e8;  // some minutes of work
 
 /// What the command line asks for, beside the scene's parameters.
 struct Request {
@@ -29,22 +32,29 @@ struct Request {
 #endif
 };
 
-std::string with_unit(const std::string& unit) { return unit.empty() ? "" : "[" + unit + "]"; }
+/// The unit as --help shows it; in ASCII, since CLI11 aligns its columns by bytes.
+std::string with_unit(std::string unit) {
+  for (const auto& [sign, ascii] : {std::pair{"²", "^2"}, std::pair{"·", " "}})
+    if (const std::size_t at = unit.find(sign); at != std::string::npos)
+      unit.replace(at, std::string_view(sign).size(), ascii);
+  return unit.empty() ? "" : "[" + unit + "]";
+}
 
 CLI::Option* add_number(CLI::App& app, const std::string& option, const std::string& unit,
                         const std::string& help, Range allowed,
-                        const std::function<void(double)>& take) {
+                        const std::function<void(double)>& take, bool whole = false) {
   return app
       .add_option_function<std::string>(
-          option, [=](const std::string& text) { take(number(option, text, allowed)); }, help)
+          option, [=](const std::string& text) { take(number(option, text, allowed, whole)); },
+          help)
       ->type_name(with_unit(unit));
 }
 
 template <class Names>
 [[noreturn]] void refuse_name(const std::string& option, const std::string& text,
                               const Names& names) {
-  throw UsageError(
-      fmt::format("{} {}: allowed is one of {}", option, text, fmt::join(names, ", ")));
+  throw UsageError(fmt::format("{} {}: allowed is one of {}", option, text.empty() ? "''" : text,
+                               fmt::join(names, ", ")));
 }
 
 std::vector<std::string_view> integrator_names() {
@@ -55,9 +65,10 @@ std::vector<std::string_view> integrator_names() {
 
 void add_scene(CLI::App& app, const Chapter& chapter) {
   for (const Parameter& parameter : chapter.parameters)
-    add_number(app, parameter.option, parameter.unit,
-               fmt::format("{} (default {:g})", parameter.help, *parameter.value),
-               parameter.allowed, [value = parameter.value](double number) { *value = number; })
+    add_number(
+        app, parameter.option, parameter.unit,
+        fmt::format("{} (default {:g})", parameter.help, *parameter.value), parameter.allowed,
+        [value = parameter.value](double number) { *value = number; }, parameter.whole)
         ->group("Scene");
 }
 
@@ -153,15 +164,17 @@ void add_page(CLI::App& app, Request& request) {
          "light (for print, the default) or dark")
       ->type_name("NAME")
       ->group("Output");
-  app.add_option_function<std::vector<std::string>>(
+  app.add_option_function<std::string>(
          "--at",
-         [&request](const std::vector<std::string>& texts) {
-           for (const std::string& text : texts)
-             request.at.push_back(number("--at", text, not_negative));
+         [&request](const std::string& texts) {
+           std::size_t from = 0;
+           while (from <= texts.size()) {
+             const std::size_t comma = std::min(texts.find(',', from), texts.size());
+             request.at.push_back(number("--at", texts.substr(from, comma - from), not_negative));
+             from = comma + 1;
+           }
          },
          "the scene at these times instead of the lesson's pictures")
-      ->delimiter(',')
-      ->expected(1, 1000)
       ->type_name("T[,T...] [s]")
       ->group("Output");
 }
@@ -190,18 +203,23 @@ void settle(Request& request) {
         fmt::format("--every {:g}: allowed is the step, {:g} s, or more", run.every, run.step));
 }
 
+/// A number rounded down to three digits: a limit must not be rounded up.
+double rounded_down(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
+  return std::floor(value / unit) * unit;
+}
+
 /// Once, when the feedback itself is unstable at this step.
 void warn_of_gains(const RunOptions& run) {
   const auto& method = run.method;
   if (method.stabilization != measure::Stabilization::feedback) return;
   if (integrators::amplification(method.integrator, run.step, method.ks, method.kd) <= 1.0 + 1e-12)
     return;
-  fmt::print(stderr,
-             "warning: feedback with ks = {:g} 1/s², kd = {:g} 1/s is unstable with {} at a step "
-             "of {:g} s;"
-             " it is stable up to {:.3g} s\n",
-             method.ks, method.kd, integrators::method(method.integrator).text, run.step,
-             integrators::largest_stable_step(method.integrator, method.ks, method.kd));
+  say(fmt::format(
+      "warning: feedback with ks = {:g} 1/s², kd = {:g} 1/s cannot be stable with {} at a step of "
+      "{:g} s, only up to {:.3g} s\n",
+      method.ks, method.kd, integrators::method(method.integrator).text, run.step,
+      rounded_down(integrators::largest_stable_step(method.integrator, method.ks, method.kd))));
 }
 
 // ----------------------------------------------------------------------------------------------
@@ -274,12 +292,14 @@ void print_summary(const Chapter& chapter, const RunOptions& run,
   if (run.method.stabilization == measure::Stabilization::feedback)
     fmt::print("feedback: ks = {:g} 1/s², kd = {:g} 1/s, h√ks = {:.3g}\n", run.method.ks,
                run.method.kd, run.step * std::sqrt(run.method.ks));
+  for (const std::string& note : simulation.notes()) fmt::print("{}\n", note);
   fmt::print("\nstate at the end\n");
   const measure::Columns columns = simulation.columns();
   for (std::size_t i = 0; i < columns.state.size(); ++i)
     fmt::print("  {:<28}{:>20.12g}\n", columns.state[i], last.state[i]);
   fmt::print("\nerror against the exact answer, at the end\n");
   const std::vector<double> errors = chapter.errors(last);
+  if (errors.empty()) fmt::print("  none: there is no exact answer for this scene\n");
   for (std::size_t k = 0; k < errors.size(); ++k)
     line(chapter.quantities[k].name, errors[k], chapter.quantities[k].unit);
   fmt::print("\nlargest over the run\n");
@@ -306,33 +326,30 @@ void run_command(const Chapter& chapter, const Request& request) {
   const long steps = run.whole_steps();
   const double rest = run.remainder();
   measure::Measures largest{0.0, 0.0, 0.0};
-  const double initial_energy = simulation->measures().energy;
+  const double initial_balance = simulation->measures().balance();
   Progress progress;
   double next_row = 0.0;
   measure::Row last;
-  try {
-    for (long done = 0;; ++done) {
-      last = simulation->row();
-      if (!is_finite(last))
-        throw measure::Diverged("the state is too large for its energy or forces");
-      largest.energy = std::max(largest.energy, std::abs(last.measures.energy - initial_energy));
-      largest.constraint_error = std::max(largest.constraint_error, last.measures.constraint_error);
-      largest.velocity_error = std::max(largest.velocity_error, last.measures.velocity_error);
-      const bool end = done == steps + (rest > 0.0 ? 1 : 0);
-      if (trajectory && (end || last.t >= next_row - 1e-9 * run.step)) {
-        trajectory->add(last);
-        if (run.every > 0.0) next_row = (std::floor(last.t / run.every + 1e-9) + 1.0) * run.every;
-      }
-      if (end) break;
-      if (done % 1024 == 0)
-        progress.show(static_cast<double>(done) / static_cast<double>(steps), "simulated");
-      simulation->advance(1, done < steps ? run.step : rest);
+  for (long done = 0;; ++done) {
+    last = simulation->row();
+    if (!is_finite(last))
+      throw measure::Diverged(measure::at(last.t) + "the energy or a force is no longer finite");
+    largest.energy = std::max(largest.energy, std::abs(last.measures.balance() - initial_balance));
+    largest.constraint_error = std::max(largest.constraint_error, last.measures.constraint_error);
+    largest.velocity_error = std::max(largest.velocity_error, last.measures.velocity_error);
+    const bool end = done == steps + (rest > 0.0 ? 1 : 0);
+    if (trajectory && (end || last.t >= next_row - 1e-9 * run.step)) {
+      trajectory->add(last);
+      if (run.every > 0.0) next_row = (std::floor(last.t / run.every + 1e-9) + 1.0) * run.every;
     }
-  } catch (const measure::Diverged& diverged) {
-    throw measure::Diverged(
-        fmt::format("stopped at t = {:g} s: {}; try a smaller --step or another --integrator",
-                    simulation->time(), diverged.what()));
+    if (end) break;
+    if (done % 1024 == 0)
+      progress.show(static_cast<double>(done) / static_cast<double>(steps), "simulated");
+    simulation->advance(1, done < steps ? run.step : rest);
   }
+  for (const double error : chapter.errors(last))
+    if (!std::isfinite(error))
+      throw measure::Diverged(measure::at(last.t) + "the error is no longer finite");
   if (trajectory) trajectory->finish();
   if (run.csv != "-") print_summary(chapter, run, *simulation, last, largest);
 }
@@ -351,6 +368,8 @@ void prepare_folder(const std::string& out) {
 
 void report_command(const Chapter& chapter, const Request& request) {
   prepare_folder(request.out);
+  if (chapter.errors(chapter.start({})->row()).empty())
+    throw UsageError("report: allowed are scenes with an exact answer; this one has none");
   measure::Ladder ladder = chapter.ladder;
   ladder.duration = request.run.duration;
   ladder.coarsest = request.run.step;
@@ -371,13 +390,18 @@ void report_command(const Chapter& chapter, const Request& request) {
   }
   fmt::print("{}", table(report));
   const std::filesystem::path out(request.out);
-  write_file(out / "error_vs_time.csv", csv(report));
-  fmt::print("\n{}\n", (out / "error_vs_time.csv").string());
+  std::vector<std::pair<std::filesystem::path, std::string>> files{
+      {out / "error_vs_time.csv", csv(report)}};
 #ifdef TUTORIAL_PICTURES
-  const Picture picture = error_picture(report);
-  write_file(out / "error_vs_time.png", draw::encode_png(draw::render(request.page, picture.draw)));
-  fmt::print("{}\n", (out / "error_vs_time.png").string());
+  files.emplace_back(out / "error_vs_time.png",
+                     draw::encode_png(draw::render(request.page, error_picture(report).draw)));
 #endif
+  fmt::print("\n");
+  for (const auto& [path, content] : files) {
+    write_file(path, content);
+    fmt::print("{}\n", path.string());
+  }
+  if (chapter.also_report) chapter.also_report(out);
 }
 
 // -----------------------------------------------------------------------------------------
@@ -385,16 +409,15 @@ void report_command(const Chapter& chapter, const Request& request) {
 
 #ifdef TUTORIAL_PICTURES
 void snapshot_command(const Chapter& chapter, const Request& request) {
+  for (const double t : request.at)
+    if (t / request.run.step > most_steps)
+      throw UsageError(fmt::format("--at {:g}: allowed is at most {:g} s with a step of {:g} s", t,
+                                   most_steps * request.run.step, request.run.step));
   prepare_folder(request.out);
   warn_of_gains(request.run);
   std::vector<Picture> pictures;
   if (request.at.empty()) pictures = chapter.pictures(request.run);
-  for (const double t : request.at) {
-    if (t / request.run.step > most_steps)
-      throw UsageError(fmt::format("--at {:g}: allowed is at most {:g} s with a step of {:g} s", t,
-                                   most_steps * request.run.step, request.run.step));
-    pictures.push_back(chapter.picture_at(request.run, t));
-  }
+  for (const double t : request.at) pictures.push_back(chapter.picture_at(request.run, t));
   Progress progress;
   double done = 0.0;
   for (const Picture& picture : pictures) {
@@ -411,8 +434,9 @@ std::vector<std::string> join_negative_numbers(int argc, char** argv) {
   std::vector<std::string> arguments(argv + 1, argv + argc);
   for (std::size_t i = 0; i + 1 < arguments.size(); ++i) {
     const std::string& next = arguments[i + 1];
-    if (arguments[i].starts_with("--") && arguments[i].find('=') == std::string::npos &&
-        next.size() > 1 && next[0] == '-' && next[1] != '-') {
+    if (arguments[i].starts_with("--") && arguments[i].size() > 2 &&
+        arguments[i].find('=') == std::string::npos && next.size() > 1 && next[0] == '-' &&
+        next[1] != '-') {
       arguments[i] += "=" + next;
       arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(i) + 1);
     }
@@ -420,10 +444,14 @@ std::vector<std::string> join_negative_numbers(int argc, char** argv) {
   return arguments;
 }
 
+/// Without line breaks and other control characters, and not longer than a screen.
 std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, ' ');
   while (text.ends_with(' ')) text.pop_back();
-  return text;
+  constexpr std::size_t most = 600;
+  return text.size() <= most ? text : text.substr(0, most) + " ...";
 }
 
 }  // namespace
@@ -444,8 +472,14 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
   add_scene(*run, chapter);
   add_method(*run, chapter, request);
   add_times(*run, request, "step of the integrator");
-  run->add_option("--csv", request.run.csv,
-                  "writes the trajectory; - writes it to standard output, alone")
+  run->add_option_function<std::string>(
+         "--csv",
+         [&request](const std::string& name) {
+           if (name.empty())
+             throw UsageError("--csv '': allowed is a file name, or - for standard output");
+           request.run.csv = name;
+         },
+         "writes the trajectory; - writes it to standard output, alone")
       ->type_name("FILE")
       ->group("Output");
   add_number(
@@ -471,7 +505,12 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
 #endif
 
   CLI::App* report = app.add_subcommand(
-      "report", "error against run time: a table, error_vs_time.csv and error_vs_time.png");
+      "report",
+#ifdef TUTORIAL_PICTURES
+      "error against run time: a table, error_vs_time.csv and error_vs_time.png");
+#else
+      "error against run time: a table and error_vs_time.csv (built without pictures)");
+#endif
   add_scene(*report, chapter);
   add_method(*report, chapter, ladder_request);
   add_times(*report, ladder_request, "coarsest step, halved from row to row");
@@ -482,7 +521,7 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
   });
 
   const auto complain = [&](const std::string& message, int status) {
-    fmt::print(stderr, "{}: {}\n", chapter.directory, one_line(message));
+    say(fmt::format("{}: {}\n", chapter.directory, one_line(message)));
     return status;
   };
   try {
@@ -496,10 +535,17 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants a vector
     app.parse(arguments);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help
+    if (error.get_exit_code() == 0) {  // --help
+      app.exit(error);
+      return std::fflush(stdout) == 0 ? 0 : complain("cannot write standard output", 1);
+    }
     return complain(std::string(error.what()) + "; see --help", 2);
   } catch (const UsageError& error) {
     return complain(error.what(), 2);
+  } catch (const measure::Diverged& diverged) {
+    return complain(
+        fmt::format("stopped {}; try a smaller --step or another --integrator", diverged.what()),
+        1);
   } catch (const std::exception& error) {
     return complain(error.what(), 1);
   }

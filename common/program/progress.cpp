@@ -1,6 +1,6 @@
 #include "program/progress.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -18,7 +18,7 @@ double wall_seconds() {
 Progress::Progress() : terminal_(isatty(STDERR_FILENO) != 0), last_(wall_seconds() + 0.8) {}
 
 Progress::~Progress() {
-  if (shown_) fmt::print(stderr, "\r\033[K");
+  if (shown_) std::fputs("\r\033[K", stderr);
 }
 
 void Progress::show(double done, const std::string& what) {
@@ -27,7 +27,7 @@ void Progress::show(double done, const std::string& what) {
   if (now - last_ < 0.2) return;
   last_ = now;
   shown_ = true;
-  fmt::print(stderr, "\r\033[K{:3.0f} % {}", 100.0 * done, what);
+  std::fputs(fmt::format("\r\033[K{:3.0f} % {}", 100.0 * done, what).c_str(), stderr);
   std::fflush(stderr);
 }
 

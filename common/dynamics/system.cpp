@@ -1,0 +1,428 @@
+#include "dynamics/system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <map>
+
+namespace dynamics {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+double largest(const VectorXd& x) {
+  return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+}
+
+void append(VectorXd& x, const VectorXd& tail) {
+  x.conservativeResize(x.size() + tail.size());
+  x.tail(tail.size()) = tail;
+}
+
+}  // namespace
+
+// ---- Setting up ----
+
+Handle<Particle> System::add_particle(const std::string& name, double mass, const Vector2d& x,
+                                      const Vector2d& v) {
+  auto& slots = things_.particles.slots;
+  const Handle<Particle> handle{static_cast<int>(slots.size()), static_cast<int>(q0_.size())};
+  add_thing(name, Vector2d(mass, mass), x, v);
+  slots.push_back({{x, v}, handle.column});
+  return handle;
+}
+
+Handle<Body> System::add_body(const std::string& name, double mass, double inertia,
+                              const Vector2d& x, double theta, const Vector2d& v, double omega) {
+  auto& slots = things_.bodies.slots;
+  const Handle<Body> handle{static_cast<int>(slots.size()), static_cast<int>(q0_.size())};
+  add_thing(name, Vector3d(mass, mass, inertia), Vector3d(x.x(), x.y(), theta),
+            Vector3d(v.x(), v.y(), omega));
+  slots.push_back({{x, v, theta, omega, rotation(theta)}, handle.column});
+  return handle;
+}
+
+void System::add_thing(const std::string& name, const VectorXd& mass, const VectorXd& q,
+                       const VectorXd& v) {
+  if (!(mass.minCoeff() > 0) || !mass.allFinite())
+    throw std::invalid_argument(name + ": mass and inertia must be positive and finite");
+  thing_info_.push_back({name, static_cast<int>(q0_.size()), static_cast<int>(q.size())});
+  append(q0_, q);
+  append(v0_, v);
+  append(W_, mass.cwiseInverse());
+  append(constant_, VectorXd::Zero(q.size()));
+  ready_ = false;
+}
+
+JointHandle System::add_joint(const std::string& name, std::unique_ptr<AnyJoint> rows, int r,
+                              const char* const* unit, Side first, Side second) {
+  if (first.column == second.column)
+    throw std::invalid_argument(name + ": joins a thing to itself");
+  const int joint = static_cast<int>(joints_.size()), row = static_cast<int>(C_.size());
+  joints_.push_back({name, std::move(rows), unit, r, row, static_cast<int>(J_.size()), 0});
+  for (const Side& side : {first, second}) {
+    if (side.dof == 0) continue;
+    J_blocks_.push_back({joint, r, row, side.dof, side.column, static_cast<int>(J_.size())});
+    J_.conservativeResize(J_.size() + r * side.dof);
+  }
+  C_.conservativeResize(row + r);
+  ready_ = false;
+  return {joint};
+}
+
+void System::set_gravity(const Vector2d& g) {
+  gravity_ = g;
+  ready_ = false;
+}
+
+void System::set_feedback(double ks, double kd) {
+  ks_ = ks;
+  kd_ = kd;
+}
+
+// Finds which blocks of J meet in which block of K = J W J^T, and gives everything its storage.
+void System::prepare() {
+  if (ready_) return;
+  std::map<int, std::vector<JBlock>> blocks_of_column;
+  for (const JBlock& block : J_blocks_) blocks_of_column[block.column].push_back(block);
+
+  std::vector<int> sizes;
+  for (const Joint& joint : joints_) sizes.push_back(joint.r);
+  std::vector<std::pair<int, int>> edges;
+  for (const auto& [column, blocks] : blocks_of_column)
+    for (const JBlock& a : blocks)
+      for (const JBlock& b : blocks)
+        if (a.joint < b.joint) edges.emplace_back(a.joint, b.joint);
+  K_.analyse(sizes, edges);
+
+  pairs_.clear();
+  for (const auto& [column, blocks] : blocks_of_column)
+    for (const JBlock& a : blocks)
+      for (const JBlock& b : blocks)
+        if (a.joint != b.joint && K_.after(a.joint, b.joint))
+          pairs_.push_back({a.r, b.r, a.dof, column, a.J, b.J, K_.block(a.joint, b.joint)});
+
+  for (int i = 0; i < static_cast<int>(joints_.size()); ++i) joints_[index(i)].K = K_.block(i, i);
+
+  F0_ = constant_;
+  for (const ThingInfo& thing : thing_info_)
+    F0_.segment<2>(thing.column) += gravity_ / W_[thing.column];
+  F_.setZero(q0_.size());
+  a_ = q_ = F_;
+  for (VectorXd* x : {&C_, &b_, &Jv_, &lambda_, &mu_, &size_}) x->setZero(C_.size());
+  J_.setZero();
+  ready_ = true;
+}
+
+// ---- One evaluation ----
+
+// The things as they are in state q, v. The only place where sin and cos are taken.
+void System::load(const VectorXd& q, const VectorXd& v) {
+  if (q.size() != q0_.size() || v.size() != q0_.size())
+    throw std::invalid_argument("q and v must have one entry for each coordinate");
+  for (auto& [particle, column] : things_.particles.slots)
+    particle = {q.segment<2>(column), v.segment<2>(column)};
+  for (auto& [body, column] : things_.bodies.slots)
+    body = {q.segment<2>(column), v.segment<2>(column), q[column + 2], v[column + 2],
+            rotation(q[column + 2])};
+}
+
+// All that concerns each joint alone, in state q, v, with F applied: C, J, b and the diagonal of K.
+void System::evaluate(const VectorXd& q, const VectorXd& v) {
+  load(q, v);
+  find_rows();
+}
+void System::find_rows() {
+  a_ = W_.cwiseProduct(F_);
+  double* const K = K_.K().data();
+  K_.K().setZero();
+  for (const Joint& joint : joints_)
+    joint.rows->rows(
+        things_, W_, a_,
+        {C_.data() + joint.row, b_.data() + joint.row, K + joint.K, J_.data() + joint.J});
+}
+
+// y += sign J x
+void System::add_J(double sign, const VectorXd& x, VectorXd& y) const {
+  for (const JBlock& block : J_blocks_)
+    fixed(block.r, [&](auto r) {
+      fixed(block.dof, [&](auto dof) {
+        Block<r, 1>(y.data() + block.row).noalias() +=
+            sign *
+            (ConstBlock<r, dof>(J_.data() + block.J) * ConstBlock<dof, 1>(x.data() + block.column));
+      });
+    });
+}
+
+// x += J^T y
+void System::add_Jt(const VectorXd& y, VectorXd& x) const {
+  for (const JBlock& block : J_blocks_)
+    fixed(block.r, [&](auto r) {
+      fixed(block.dof, [&](auto dof) {
+        Block<dof, 1>(x.data() + block.column).noalias() +=
+            ConstBlock<r, dof>(J_.data() + block.J).transpose() *
+            ConstBlock<r, 1>(y.data() + block.row);
+      });
+    });
+}
+
+// K = J W J^T, factored: the joints wrote its diagonal blocks, here are those between two joints.
+void System::factor(double damping) {
+  double* const K = K_.K().data();
+  for (const Pair& pair : pairs_)
+    fixed(pair.dof, [&](auto dof) {
+      fixed(pair.r_a, [&](auto r_a) {
+        fixed(pair.r_b, [&](auto r_b) {
+          const ConstBlock<r_a, dof> J_a(J_.data() + pair.J_a);
+          const ConstBlock<r_b, dof> J_b(J_.data() + pair.J_b);
+          for (int j = 0; j < r_b; ++j)
+            for (int i = 0; i < r_a; ++i) {
+              double sum = 0;
+              for (int k = 0; k < dof; ++k) sum += J_a(i, k) * W_[pair.column + k] * J_b(j, k);
+              K[pair.K + i + j * r_a] += sum;
+            }
+        });
+      });
+    });
+  K_.factor(damping);
+}
+
+void System::acceleration(double t, const VectorXd& q, const VectorXd& v, VectorXd& a) {
+  prepare();
+  load(q, v);
+  F_ = F0_;
+  for (const auto& [thing, F, V] : things_.particles.laws)
+    F_.segment<2>(thing.column) += F(t, things_[thing]);
+  for (const auto& [thing, F, V] : things_.bodies.laws)
+    F_.segment<3>(thing.column) += F(t, things_[thing]);
+
+  find_rows();
+  lambda_ = b_;
+  if (ks_ != 0) lambda_ -= ks_ * C_;
+  if (kd_ != 0) add_J(-kd_, v, lambda_);
+  factor();
+  K_.solve(lambda_);
+
+  add_Jt(lambda_, F_);
+  a = W_.cwiseProduct(F_);
+}
+
+VectorXd System::lambda(JointHandle joint) const {
+  const Joint& j = joints_[index(joint.index)];
+  return lambda_.segment(j.row, j.r);
+}
+
+Vector3d System::reaction(JointHandle joint, int column) const {
+  Vector3d reaction = Vector3d::Zero();
+  for (const JBlock& b : J_blocks_)
+    if (b.joint == joint.index && b.column == column)
+      reaction.head(b.dof) =
+          Eigen::Map<const Eigen::MatrixXd>(J_.data() + b.J, b.r, b.dof).transpose() *
+          lambda_.segment(b.row, b.r);
+  return reaction;
+}
+
+// ---- Back onto the constraints ----
+
+// The largest |x_k| / sqrt(K_kk). The root carries the row's units, so rows of all units compare.
+double System::residual(const VectorXd& x) const {
+  double square = 0;
+  for (Eigen::Index k = 0; k < x.size(); ++k)
+    if (K_.diagonal()[k] > 0) square = std::max(square, x[k] * x[k] / K_.diagonal()[k]);
+  return std::sqrt(square);
+}
+
+// The largest |C| relative to the terms that it is the difference of: about epsilon, whatever the
+// units, when C is nothing but rounding. Where these terms are 0, say for a wheel at the origin,
+// what a correction of C from `start` leaves there by its own rounding counts instead.
+double System::relative_error(double start) {
+  for (const Joint& joint : joints_) joint.rows->sizes(things_, size_.data() + joint.row);
+  if (!C_.allFinite()) return std::numeric_limits<double>::infinity();
+  double error = 0;
+  for (Eigen::Index k = 0; k < C_.size(); ++k) {
+    const double size = size_[k] + start * std::sqrt(K_.diagonal()[k]);
+    if (C_[k] != 0 && !(std::abs(C_[k]) <= error * size)) error = std::abs(C_[k]) / size;
+  }
+  return error;
+}
+
+// x -= W J^T K^-1 error
+void System::correct(const VectorXd& error, VectorXd& x) {
+  mu_ = error;
+  K_.solve(mu_);
+  F_.setZero();
+  add_Jt(mu_, F_);
+  x -= W_.cwiseProduct(F_);
+}
+
+// Needs J at q, and a factor of K from near it; one from q itself is made when that is not enough.
+// J v of a row is compared, through sqrt(K_kk), with the velocity in the mass metric.
+bool System::project_velocities(const VectorXd& q, VectorXd& v) {
+  for (int pass = 0;; ++pass) {
+    Jv_.setZero();
+    add_J(1, v, Jv_);
+    const double rounding = epsilon * std::sqrt((v.array().square() / W_.array()).sum());
+    const double error = residual(Jv_);
+    // The first correction is always made: a light thing's error is small in the mass metric.
+    if (pass > 0 && error <= rounding) return true;
+    if (pass == 3) return error <= 16 * rounding;
+    if (pass == 1) {
+      evaluate(q, v);
+      factor();
+    }
+    correct(Jv_, v);
+  }
+}
+
+Projection System::project(VectorXd& q, VectorXd& v) {
+  prepare();
+  evaluate(q, v);
+  factor();
+  q_ = q;
+  const double start = residual(C_);
+  const double error_before = relative_error(start);
+  double error = error_before;
+  int steps = 0;
+  // One factor serves all steps, unless they converge slowly: then it is renewed. When that does
+  // not help either, C is at its rounding or cannot be closed.
+  for (bool renewed = true; error > epsilon && steps < 12; ++steps) {
+    correct(C_, q);
+    evaluate(q, v);
+    const double before = std::exchange(error, relative_error(start));
+    if (renewed && !(error < before / 2)) break;
+    renewed = !(error < before / 100);
+    if (renewed) factor();
+  }
+  if (!(error <= error_before) || !std::isfinite(error)) {
+    q = q_;
+    return {false, steps};
+  }
+  const bool converged = project_velocities(q, v);
+  return {converged && error <= 16 * epsilon, steps};
+}
+
+Assembly System::assemble(VectorXd& q, VectorXd& v) {
+  prepare();
+  if (!q.allFinite() || !v.allFinite())
+    throw AssemblyError("cannot assemble: q and v must be finite");
+  constexpr double closed = 64 * epsilon;
+  VectorXd best = q, trial = q, C_best, weight;
+  evaluate(q, v);
+  Assembly report{};
+  report.C_before = largest(C_);
+  factor();
+  const double start = residual(C_);
+
+  // Newton's method; whenever a step does not reduce C, K's diagonal is raised (Levenberg and
+  // Marquardt), which shortens the step and turns it to the steepest descent. C is measured
+  // through the diagonal of K, so that rows of all units count alike.
+  report.projected = relative_error(0) > closed;
+  double damping = 0;
+  for (int step = 0; report.projected && step < 300 && damping < 1e9; ++step) {
+    evaluate(best, v);
+    if (relative_error(start) <= epsilon) break;
+    factor(damping);
+    C_best = C_;
+    weight = (K_.diagonal().array() > 0).select(K_.diagonal().cwiseInverse(), 0);
+    trial = best;
+    correct(C_, trial);
+    evaluate(trial, v);
+    if (C_.cwiseAbs2().dot(weight) < C_best.cwiseAbs2().dot(weight)) {
+      best = trial;
+      damping = damping > 1e-6 ? damping / 10 : 0;
+    } else {
+      damping = std::max(10 * damping, 1e-3);
+    }
+  }
+
+  evaluate(best, v);
+  if (!(relative_error(start) <= closed)) {
+    Eigen::Index worst = 0;
+    C_.cwiseAbs().cwiseQuotient(size_).maxCoeff(&worst);
+    const auto joint =
+        std::find_if(joints_.rbegin(), joints_.rend(), [&](auto& j) { return j.row <= worst; });
+    char open[32];
+    std::snprintf(open, sizeof open, "%.3g", std::abs(C_[worst]));
+    throw AssemblyError("cannot assemble: " + joint->name + " row " +
+                        std::to_string(worst - joint->row + 1) + " (" +
+                        joint->unit[worst - joint->row] + ") stays open by " + open);
+  }
+  report.moved = largest(best - q);
+  report.C_after = largest(C_);
+  q = best;
+  factor();
+  report.Jv_before = velocity_error(q, v);
+  project_velocities(q, v);
+  report.Jv_after = velocity_error(q, v);
+  return report;
+}
+
+// ---- What a scene tells about itself ----
+
+double System::energy(const VectorXd& q, const VectorXd& v) {
+  prepare();
+  load(q, v);
+  double energy = (v.array().square() / W_.array()).sum() / 2;
+  for (const ThingInfo& thing : thing_info_)
+    energy -= gravity_.dot(q.segment<2>(thing.column)) / W_[thing.column];
+  for (const auto& [thing, F, V] : things_.particles.laws)
+    if (V) energy += V(things_[thing]);
+  for (const auto& [thing, F, V] : things_.bodies.laws)
+    if (V) energy += V(things_[thing]);
+  return energy;
+}
+
+double System::constraint_error(const VectorXd& q) {
+  prepare();
+  evaluate(q, v0_);
+  return largest(C_);
+}
+
+double System::velocity_error(const VectorXd& q, const VectorXd& v) {
+  prepare();
+  evaluate(q, v);
+  Jv_.setZero();
+  add_J(1, v, Jv_);
+  return largest(Jv_);
+}
+
+Eigen::MatrixXd System::jacobian(const VectorXd& q) {
+  prepare();
+  evaluate(q, v0_);
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(C_.size(), q0_.size());
+  for (const JBlock& b : J_blocks_)
+    J.block(b.row, b.column, b.r, b.dof) =
+        Eigen::Map<const Eigen::MatrixXd>(J_.data() + b.J, b.r, b.dof);
+  return J;
+}
+
+Counts System::counts() {
+  prepare();
+  const auto bytes = [](const auto&... x) { return (... + (sizeof(x[0]) * index(int(x.size())))); };
+  const int coordinates = static_cast<int>(q0_.size()), rank = K_.rank();
+  return {
+      .things = static_cast<int>(thing_info_.size()),
+      .coordinates = coordinates,
+      .rows = static_cast<int>(C_.size()),
+      .rank = rank,
+      .degrees_of_freedom = coordinates - rank,
+      .jacobian_blocks = static_cast<int>(J_blocks_.size()),
+      .factor_blocks = K_.blocks(),
+      .state_bytes = bytes(q0_, v0_),
+      .workspace_bytes = bytes(things_.particles.slots, things_.bodies.slots, joints_, J_blocks_,
+                               pairs_, W_, F0_, F_, a_, q_, C_, b_, Jv_, lambda_, mu_, size_, J_) +
+                         K_.bytes()};
+}
+
+std::vector<JointRow> System::dependent_rows() const {
+  std::vector<JointRow> rows;
+  for (const Joint& joint : joints_)
+    for (int k = 0; k < joint.r; ++k)
+      if (K_.inverse_pivots()[joint.row + k] == 0) rows.push_back({joint.name, k + 1});
+  return rows;
+}
+
+}  // namespace dynamics

@@ -1,0 +1,308 @@
+// The global solver. It only organises: it knows where each thing's coordinates stand in q, puts
+// the rows of each joint where they belong, and solves equation 1,
+//
+//   (J W J^T) lambda = - Jdot_v - J W F - ks C - kd J v,      a = W (F + J^T lambda).
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "dynamics/block_ldlt.hpp"
+#include "dynamics/things.hpp"
+
+namespace dynamics {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+/// A thing of a System. column: where its coordinates begin in q and v; the world has none.
+template <class Thing>
+struct Handle {
+  int index = -1, column = -1;
+};
+struct JointHandle {
+  int index = 0;
+};
+
+/// An applied force: (fx, fy) in N at the centre of mass and, on a body, the moment in N m.
+template <class Thing>
+using Force = Eigen::Vector<double, Thing::dof>;
+template <class Thing>
+using ForceLaw = std::function<Force<Thing>(double t, const Thing&)>;
+/// The potential energy (J) that belongs to a force law.
+template <class Thing>
+using Potential = std::function<double(const Thing&)>;
+
+/// Everything that is not the world, kind by kind, with the forces on it.
+template <class Thing>
+struct Kind {
+  struct Slot {
+    Thing thing;
+    int column;
+  };
+  struct Law {
+    Handle<Thing> handle;
+    ForceLaw<Thing> F;
+    Potential<Thing> V;
+  };
+  std::vector<Slot> slots;
+  std::vector<Law> laws;
+};
+
+struct Things {
+  Kind<Particle> particles;
+  Kind<Body> bodies;
+
+  World operator[](Handle<World>) const { return {}; }
+  const Particle& operator[](Handle<Particle> p) const {
+    return particles.slots[std::size_t(p.index)].thing;
+  }
+  const Body& operator[](Handle<Body> b) const { return bodies.slots[std::size_t(b.index)].thing; }
+};
+
+/// Where a joint writes its part of equation 1: r numbers each for C and b = -Jdot_v - J W F, its
+/// diagonal block of J W J^T, and its blocks J1, J2 one behind the other, each column by column.
+struct JointPlace {
+  double *C, *b, *JWJt, *J;
+};
+
+/// A joint of any type between any two things, for the solver: one call does all that concerns
+/// this joint alone, where its sizes are known to the compiler.
+struct AnyJoint {
+  virtual ~AnyJoint() = default;
+  /// W and a = W F have an entry for each coordinate.
+  virtual void rows(const Things&, const VectorXd& W, const VectorXd& a,
+                    const JointPlace& place) const = 0;
+  /// Writes the sizes of the terms of C.
+  virtual void sizes(const Things&, double* size) const = 0;
+};
+
+template <class Joint, class First, class Second>
+struct JointOf final : AnyJoint {
+  using Rows = decltype(std::declval<Joint>().rows(First(), Second()));
+  static constexpr int r = Rows::r;
+
+  JointOf(Joint j, Handle<First> f, Handle<Second> s) : joint(std::move(j)), first(f), second(s) {}
+
+  void rows(const Things& things, const VectorXd& W, const VectorXd& a,
+            const JointPlace& place) const override {
+    const Rows rows = joint.rows(things[first], things[second]);
+    double b[r], JWJt[r * r] = {};
+    for (int i = 0; i < r; ++i) b[i] = -rows.Jdot_v[i];
+    const auto add = [&](const auto& J, int column, int dof, double* out) {
+      for (int k = 0; k < dof; ++k)
+        for (int i = 0; i < r; ++i) {
+          out[i + k * r] = J(i, k);
+          b[i] -= J(i, k) * a[column + k];
+          for (int j = 0; j < r; ++j) JWJt[i + j * r] += J(i, k) * W[column + k] * J(j, k);
+        }
+    };
+    if constexpr (First::dof > 0) add(rows.J1, first.column, First::dof, place.J);
+    if constexpr (Second::dof > 0)
+      add(rows.J2, second.column, Second::dof, place.J + r * First::dof);
+    for (int i = 0; i < r; ++i) place.C[i] = rows.C[i], place.b[i] = b[i];
+    for (int i = 0; i < r * r; ++i) place.JWJt[i] = JWJt[i];
+  }
+  void sizes(const Things& things, double* size) const override {
+    Block<r, 1>{size} = joint.rows(things[first], things[second]).size;
+  }
+
+  Joint joint;
+  Handle<First> first;
+  Handle<Second> second;
+};
+
+/// A thing's name, where its coordinates begin in q and v, and how many they are: 2 or 3.
+struct ThingInfo {
+  std::string name;
+  int column, dof;
+};
+
+/// A row of a joint, counted from 1.
+struct JointRow {
+  std::string joint;
+  int row;
+};
+
+/// What the scene holds. rank and degrees_of_freedom are those of the last evaluation.
+struct Counts {
+  int things, coordinates, rows, rank, degrees_of_freedom;
+  int jacobian_blocks;          ///< blocks of J: one for each thing of each joint but the world
+  int factor_blocks;            ///< blocks of the lower triangle of J W J^T, with fill
+  std::size_t state_bytes;      ///< q and v
+  std::size_t workspace_bytes;  ///< all that one evaluation touches besides
+};
+
+/// How a projection ended: whether C and J v are down to rounding, and the Newton steps it took.
+struct Projection {
+  bool converged;
+  int steps;
+};
+
+/// What assemble() found. C is the largest |C|, moved the largest change of a coordinate (m, rad).
+struct Assembly {
+  bool projected;  ///< false: q was on the constraints already, to rounding, and is left as it was
+  double moved, C_before, C_after;
+  double Jv_before, Jv_after;  ///< the largest |J v|
+};
+
+/// The joints cannot be closed. what() is one line that names the worst joint and row.
+struct AssemblyError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A scene: things, joints between them, and applied forces. Set it up with add and apply; the
+/// first evaluation then fixes its storage, and none of those after it allocates.
+/// Whoever passes a q, v or a of the wrong length gets std::invalid_argument.
+class System {
+ public:
+  static constexpr Handle<World> world{};
+
+  /// mass in kg, inertia about the centre of mass in kg m^2, both positive and finite, or
+  /// std::invalid_argument; x (m), theta (rad), v (m/s), omega (rad/s): where it starts.
+  Handle<Particle> add_particle(const std::string& name, double mass, const Vector2d& x,
+                                const Vector2d& v = Vector2d::Zero());
+  Handle<Body> add_body(const std::string& name, double mass, double inertia, const Vector2d& x,
+                        double theta = 0, const Vector2d& v = Vector2d::Zero(), double omega = 0);
+
+  /// Joins first to second. Any type is a joint that has rows(first, second), which returns the
+  /// Rows of these two things, and unit, which names the unit of each row of C.
+  template <class Joint, class First, class Second = World>
+  JointHandle add(const std::string& name, const Joint& joint, Handle<First> first,
+                  Handle<Second> second = world) {
+    static_assert(First::dof + Second::dof > 0, "a joint needs a thing that can move");
+    using Typed = JointOf<Joint, First, Second>;
+    return add_joint(name, std::make_unique<Typed>(joint, first, second), Typed::r,
+                     Joint::unit.data(), {first.column, First::dof}, {second.column, Second::dof});
+  }
+
+  /// A uniform field (m/s^2) that acts on everything; its potential counts in energy().
+  void set_gravity(const Vector2d& g);
+
+  /// A constant force and couple from outside: the work it does shows as a change of energy().
+  template <class Thing>
+  void apply(Handle<Thing> thing, const std::type_identity_t<Force<Thing>>& F) {
+    constant_.segment<Thing::dof>(thing.column) += F;
+    ready_ = false;
+  }
+  /// A force that depends on time and on the thing's own state, with its potential if it has one.
+  template <class Thing>
+  void apply(Handle<Thing> thing, std::type_identity_t<ForceLaw<Thing>> F,
+             std::type_identity_t<Potential<Thing>> V = {}) {
+    laws(thing).push_back({thing, std::move(F), std::move(V)});
+  }
+
+  /// The gains ks (1/s^2) and kd (1/s) of equation 1; a term of gain 0 is left out.
+  void set_feedback(double ks, double kd);
+
+  /// The state that the things were added with.
+  const VectorXd& initial_q() const { return q0_; }
+  const VectorXd& initial_v() const { return v0_; }
+
+  /// Equation 1: the accelerations at time t in state q, v.
+  void acceleration(double t, const VectorXd& q, const VectorXd& v, VectorXd& a);
+
+  /// Of the last acceleration(): lambda of a joint's rows, and the joint's part of J^T lambda on
+  /// one of its things: (fx, fy) in N and the moment in N m about the centre of mass (0 for a
+  /// particle). They hold until another function evaluates another state.
+  VectorXd lambda(JointHandle joint) const;
+  template <class Thing>
+  Vector3d reaction(JointHandle joint, Handle<Thing> thing) const {
+    return reaction(joint, thing.column);
+  }
+
+  /// Brings q, then v, back onto the constraints by the least change in the mass metric:
+  /// dq = -W J^T (J W J^T)^-1 C until C is rounding, then dv = -W J^T (J W J^T)^-1 J v. For states
+  /// that an integrator let drift. One that cannot be improved is left as it was.
+  Projection project(VectorXd& q, VectorXd& v);
+
+  /// Closes the joints before the first step, from further away than project() can: q, then v.
+  /// Throws AssemblyError, and leaves q and v as they were, when they cannot be closed.
+  Assembly assemble(VectorXd& q, VectorXd& v);
+
+  /// Kinetic energy, and potential energy of gravity and of the laws that gave one (J).
+  double energy(const VectorXd& q, const VectorXd& v);
+  /// The largest |C| of all rows, each in its own unit.
+  double constraint_error(const VectorXd& q);
+  /// The largest |J v|.
+  double velocity_error(const VectorXd& q, const VectorXd& v);
+
+  /// The whole J, rows in the order in which the joints were added. To look at; it allocates.
+  Eigen::MatrixXd jacobian(const VectorXd& q);
+  /// The diagonal of W, the inverse masses and inertias (1/kg, 1/(kg m^2)).
+  const VectorXd& W() const { return W_; }
+  /// A thing as it is in state q, v: to find its points, or to draw it.
+  template <class Thing>
+  Thing state(Handle<Thing> thing, const VectorXd& q, const VectorXd& v) {
+    load(q, v);
+    return things_[thing];
+  }
+
+  Counts counts();
+  /// The rows that the last evaluation found to depend on others, and so gave no load.
+  std::vector<JointRow> dependent_rows() const;
+  const std::vector<ThingInfo>& things() const { return thing_info_; }
+
+ private:
+  // The columns of a joint's first or second thing.
+  struct Side {
+    int column, dof;
+  };
+  struct Joint {
+    std::string name;
+    std::unique_ptr<AnyJoint> rows;
+    const char* const* unit;
+    int r, row, J, K;  // its number of rows, the first of them, where its blocks of J and K begin
+  };
+  // The part of J in the rows of one joint and the columns of one thing.
+  struct JBlock {
+    int joint, r, row, dof, column, J;
+  };
+  // Blocks of J of two joints a, b in the same columns: J_a W J_b^T adds to a block of K.
+  struct Pair {
+    int r_a, r_b, dof, column, J_a, J_b, K;
+  };
+
+  void add_thing(const std::string& name, const VectorXd& mass, const VectorXd& q,
+                 const VectorXd& v);
+  JointHandle add_joint(const std::string& name, std::unique_ptr<AnyJoint> rows, int r,
+                        const char* const* unit, Side first, Side second);
+  auto& laws(Handle<Particle>) { return things_.particles.laws; }
+  auto& laws(Handle<Body>) { return things_.bodies.laws; }
+
+  void prepare();
+  void evaluate(const VectorXd& q, const VectorXd& v);
+  void load(const VectorXd& q, const VectorXd& v);
+  void find_rows();
+  void factor(double damping = 0);
+  void add_J(double sign, const VectorXd& x, VectorXd& y) const;
+  void add_Jt(const VectorXd& y, VectorXd& x) const;
+  void correct(const VectorXd& error, VectorXd& x);
+  double residual(const VectorXd& x) const;
+  double relative_error(double start);
+  bool project_velocities(const VectorXd& q, VectorXd& v);
+  Vector3d reaction(JointHandle joint, int column) const;
+
+  Things things_;
+  std::vector<ThingInfo> thing_info_;
+  std::vector<Joint> joints_;
+  std::vector<JBlock> J_blocks_;
+  std::vector<Pair> pairs_;
+  BlockLdlt K_;
+
+  Vector2d gravity_ = Vector2d::Zero();
+  double ks_ = 0, kd_ = 0;
+  bool ready_ = false;
+
+  VectorXd q0_, v0_, W_, constant_, F0_, F_, a_, q_;  // one entry a coordinate
+  VectorXd C_, b_, Jv_, lambda_, mu_, size_;          // one entry a row
+  VectorXd J_;                                        // the blocks of J, one behind the other
+};
+
+}  // namespace dynamics

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dynamics/system.hpp"
+#include "measure/simulation.hpp"
+
+namespace program {
+
+/// A System as a model of the one loop: what chapters 3 to 7 run. A chapter adds its things, joints
+/// and forces to `system`, names the reactions that it reports, and calls `assemble`.
+class Mechanism {
+ public:
+  using Vector = Eigen::VectorXd;
+  /// Reads a reaction off a system that was just solved at q.
+  using Reaction = std::function<Eigen::Vector3d(const dynamics::System&, const Vector& q)>;
+
+  dynamics::System system;
+
+  /// Work [J] of the loads that have no potential, up to state q. Empty: none.
+  std::function<double(const Vector& q)> work;
+
+  explicit Mechanism(const measure::Method& method) { system.set_feedback(method.ks, method.kd); }
+
+  /// Reports the force [N] and moment [N·m] of a joint on one of its things under a name.
+  template <class Thing>
+  void report(const std::string& name, dynamics::JointHandle joint, dynamics::Handle<Thing> thing) {
+    report(name, [=](const dynamics::System& solved, const Vector&) {
+      return solved.reaction(joint, thing);
+    });
+  }
+  /// The same for a reaction that is no joint's of the system, computed from those that are.
+  void report(const std::string& name, Reaction reaction) {
+    reactions_.emplace_back(name, std::move(reaction));
+  }
+  /// A body that is fixed and therefore left out of the system, but stands in the tables all the
+  /// same: at the origin, at rest.
+  void report_fixed(const std::string& name) { fixed_.push_back(name); }
+
+  /// Starts in the state that the things were added with, off the constraints or not.
+  void start_as_given() {
+    q_ = system.initial_q();
+    v_ = system.initial_v();
+    a_ = Vector::Zero(q_.size());
+  }
+
+  /// Closes the joints before the first step; a start that had to be moved becomes a note.
+  /// Throws dynamics::AssemblyError.
+  void assemble() {
+    start_as_given();
+    const dynamics::Assembly assembly = system.assemble(q_, v_);
+    if (assembly.projected)
+      notes_.push_back(fmt::format(
+          "start: off its constraints by {:.2g}; projected onto them, which moved it by {:.2g}",
+          assembly.C_before, assembly.moved));
+    else if (assembly.Jv_before > 1e-9 * (1.0 + v_.lpNorm<Eigen::Infinity>()))
+      notes_.push_back(fmt::format(
+          "start: its velocities broke the constraints by {:.2g}; projected", assembly.Jv_before));
+  }
+
+  Vector initial_position() const { return q_; }
+  Vector initial_velocity() const { return v_; }
+  const std::vector<std::string>& notes() const { return notes_; }
+
+  void acceleration(double t, const Vector& q, const Vector& v, Vector& a) {
+    system.acceleration(t, q, v, a);
+  }
+  void project(Vector& q, Vector& v) { system.project(q, v); }
+
+  measure::Measures measures(double, const Vector& q, const Vector& v) {
+    return {system.energy(q, v), system.constraint_error(q), system.velocity_error(q, v),
+            work ? work(q) : 0.0};
+  }
+
+  measure::Columns columns() const {
+    measure::Columns columns;
+    const auto add = [&](const std::string& name, bool turns) {
+      for (const char* rate : {"", "v"}) {
+        columns.state.push_back(fmt::format("{}.{}x", name, rate));
+        columns.state.push_back(fmt::format("{}.{}y", name, rate));
+        if (turns) columns.state.push_back(fmt::format("{}.{}", name, *rate ? "omega" : "theta"));
+      }
+    };
+    for (const std::string& name : fixed_) add(name, true);
+    for (const dynamics::ThingInfo& thing : system.things()) add(thing.name, thing.dof == 3);
+    for (const auto& [name, reaction] : reactions_)
+      for (const char* part : {"fx", "fy", "moment"})
+        columns.reactions.push_back(fmt::format("{}.{}", name, part));
+    return columns;
+  }
+
+  void observe(double t, const Vector& q, const Vector& v, measure::Row& row) {
+    row.state.assign(6 * fixed_.size(), 0.0);
+    for (const dynamics::ThingInfo& thing : system.things())
+      for (const Vector* part : {&q, &v})
+        for (int i = 0; i < thing.dof; ++i) row.state.push_back((*part)[thing.column + i]);
+    system.acceleration(t, q, v, a_);
+    for (const auto& [name, reaction] : reactions_)
+      for (const double value : reaction(system, q)) row.reactions.push_back(value);
+  }
+
+ private:
+  std::vector<std::pair<std::string, Reaction>> reactions_;
+  std::vector<std::string> fixed_, notes_;
+  Vector q_, v_, a_;
+};
+
+}  // namespace program
