@@ -150,9 +150,9 @@ void System::add_J(double sign, const VectorXd& x, VectorXd& y) const {
   for (const JBlock& block : J_blocks_)
     fixed(block.r, [&](auto r) {
       fixed(block.dof, [&](auto dof) {
-        Block<r, 1>(y.data() + block.row).noalias() +=
-            sign *
-            (ConstBlock<r, dof>(J_.data() + block.J) * ConstBlock<dof, 1>(x.data() + block.column));
+        const ConstBlock<r, dof> J(J_.data() + block.J);
+        const ConstBlock<dof, 1> x_block(x.data() + block.column);
+        Block<r, 1>(y.data() + block.row).noalias() += sign * (J * x_block);
       });
     });
 }
@@ -162,9 +162,9 @@ void System::add_Jt(const VectorXd& y, VectorXd& x) const {
   for (const JBlock& block : J_blocks_)
     fixed(block.r, [&](auto r) {
       fixed(block.dof, [&](auto dof) {
-        Block<dof, 1>(x.data() + block.column).noalias() +=
-            ConstBlock<r, dof>(J_.data() + block.J).transpose() *
-            ConstBlock<r, 1>(y.data() + block.row);
+        const ConstBlock<r, dof> J(J_.data() + block.J);
+        const ConstBlock<r, 1> y_block(y.data() + block.row);
+        Block<dof, 1>(x.data() + block.column).noalias() += J.transpose() * y_block;
       });
     });
 }

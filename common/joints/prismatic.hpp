@@ -37,6 +37,7 @@ struct Prismatic {
   Vector2d n_hat = Vector2d::UnitY();
   double theta0 = 0;
 
+  // [rows]
   dynamics::Rows<2, Body, Body> rows(const Body& first, const Body& second) const {
     const auto p1 = point(first, u1);
     const auto p2 = point(second, u2);
@@ -53,6 +54,7 @@ struct Prismatic {
         std::abs(first.theta) + std::abs(second.theta) + std::abs(theta0);
     return rows;
   }
+  // [rows]
 
   /// The rail fixed in the world: x1 = 0, A1 = I, w1 = 0, and no columns for the first thing.
   dynamics::Rows<2, World, Body> rows(const World& first, const Body& second) const {

@@ -23,6 +23,7 @@ struct Revolute {
   Vector2d u1 = Vector2d::Zero();
   Vector2d u2 = Vector2d::Zero();
 
+  // [rows]
   template <class First, class Second>
   dynamics::Rows<2, First, Second> rows(const First& first, const Second& second) const {
     const auto p1 = point(first, u1);
@@ -33,6 +34,7 @@ struct Revolute {
             .Jdot_v = p1.Jdot_v - p2.Jdot_v,
             .size = Vector2d::Constant(p1.size + p2.size)};
   }
+  // [rows]
 };
 
 }  // namespace joints

@@ -39,6 +39,8 @@ struct Chapter {
   measure::Ladder ladder;
   /// What `report` measures besides: writes its files into the folder and prints their names.
   std::function<void(const std::filesystem::path& out)> also_report;
+  /// Sets what `report` needs where the reader has left it at its default.
+  std::function<void()> before_report;
 
 #ifdef TUTORIAL_PICTURES
   /// The pictures of the lesson.

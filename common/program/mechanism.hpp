@@ -14,7 +14,8 @@
 namespace program {
 
 /// A System as a model of the one loop: what chapters 3 to 7 run. A chapter adds its things, joints
-/// and forces to `system`, names the reactions that it reports, and calls `assemble`.
+/// and forces to `system`, names the reactions that it reports, and calls `assemble`
+/// (or, to start off its constraints, `start_as_given`).
 class Mechanism {
  public:
   using Vector = Eigen::VectorXd;

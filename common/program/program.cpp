@@ -367,6 +367,7 @@ void prepare_folder(const std::string& out) {
 }
 
 void report_command(const Chapter& chapter, const Request& request) {
+  if (chapter.before_report) chapter.before_report();
   prepare_folder(request.out);
   if (chapter.errors(chapter.start({})->row()).empty())
     throw UsageError("report: allowed are scenes with an exact answer; this one has none");

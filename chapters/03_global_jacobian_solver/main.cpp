@@ -1,0 +1,62 @@
+// Chapter 3: one solver for any set of constraints.
+//
+// Two beads on the parabola of chapter 1, joined by a rigid rod: three constraints that push
+// against each other. Their rows form one Jacobian J, and one equation gives all forces at once,
+//
+//   (J W Jᵀ) λ = − J̇v − J W F;   see scene.hpp for the scene and dynamics/system.hpp for the
+//   solver.
+
+#include "exact.hpp"
+#include "program/chapter.hpp"
+#include "scene.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "pictures.hpp"
+#endif
+
+int main(int argc, char** argv) {
+  using measure::Stabilization;
+  dumbbell::Scene scene;
+  program::Chapter chapter;
+  chapter.directory = "03_global_jacobian_solver";
+  chapter.title = "The global Jacobian solver";
+
+  chapter.parameters = {
+      {"--x1", "m", "start of bead1, at rest", &scene.x1, program::any},
+      {"--x2", "m", "start of bead2, at rest", &scene.x2, program::any},
+      {"--m1", "kg", "mass of bead1", &scene.m1, program::positive},
+      {"--m2", "kg", "mass of bead2", &scene.m2, program::positive},
+      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative},
+      {"--p", "m", "half the parameter of the parabola x² + 2py = 0", &scene.p, program::positive},
+  };
+  chapter.defaults = {.duration = 20.0, .step = 0.01};
+  chapter.constraint_unit = "m²";
+
+  chapter.start = [&scene](const measure::Method& method) {
+    return std::make_unique<measure::Motion<program::Mechanism>>(
+        dumbbell::make_mechanism(scene, method), method);
+  };
+
+  chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}, {"constraint forces", "N"}};
+  chapter.errors = [&scene](const measure::Row& row) { return dumbbell::errors(scene, row); };
+
+  using enum integrators::Name;
+  chapter.ladder = {.methods = {{explicit_euler},
+                                {semi_implicit_euler},
+                                {rk4},
+                                {rk4, Stabilization::feedback, 1.0, 2.0},
+                                {rk4, Stabilization::projection}},
+                    .duration = 10.0,
+                    .coarsest = 0.5,
+                    .rungs = 16};
+
+#ifdef TUTORIAL_PICTURES
+  chapter.pictures = [&scene](const program::RunOptions& run) {
+    return dumbbell::pictures(scene, run);
+  };
+  chapter.picture_at = [&scene](const program::RunOptions& run, double t) {
+    return dumbbell::picture_at(scene, run, t);
+  };
+#endif
+  return program::run_chapter(argc, argv, chapter);
+}

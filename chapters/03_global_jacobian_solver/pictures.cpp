@@ -1,0 +1,360 @@
+#include "pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "draw/canvas.hpp"
+#include "draw/page.hpp"
+#include "exact.hpp"
+#include "parabola/exact.hpp"
+#include "parabola/implicit_bead.hpp"
+#include "parabola/pictures.hpp"
+#include "program/jacobian.hpp"
+#include "turned_off.hpp"
+
+namespace dumbbell {
+namespace {
+
+using draw::Canvas;
+using measure::Stabilization;
+using parabola::point;
+using program::figure;
+using program::Picture;
+using program::RunOptions;
+
+using Motion = measure::Motion<program::Mechanism>;
+
+Motion motion(const Scene& scene, const measure::Method& method) {
+  return {make_mechanism(scene, method), method};
+}
+
+/// What a row of the trajectory says.
+struct Instant {
+  double t;
+  Vector2d x1, x2, curve1, curve2, rod1;  // forces of the curve on each bead, of the rod on bead1
+};
+
+Instant now(Motion& motion) {
+  const measure::Row row = motion.row();
+  const auto pair = [](const std::vector<double>& values, std::size_t i) {
+    return Vector2d(values[i], values[i + 1]);
+  };
+  return {row.t,
+          pair(row.state, 0),
+          pair(row.state, 4),
+          pair(row.reactions, 0),
+          pair(row.reactions, 3),
+          pair(row.reactions, 6)};
+}
+
+double largest_force(const Instant& i) {
+  return std::max({i.curve1.norm(), i.curve2.norm(), i.rod1.norm()});
+}
+
+/// Moves on to the step nearest to t.
+void advance_to(Motion& motion, double t, double step) {
+  const long steps = std::lround((t - motion.time()) / step);
+  if (steps > 0) motion.advance(steps, step);
+}
+
+/// What both beads visit in `duration` seconds, with room around it.
+draw::View view(const Scene& scene, double duration) {
+  const ExactMotion exact(scene);
+  const double end = std::min(duration, exact.period());
+  double left = std::min(scene.x1, scene.x2), right = std::max(scene.x1, scene.x2);
+  double low = -1e300, high = 1e300;
+  for (int i = 0; i <= 64; ++i) {
+    const Exact at = exact.at(end * i / 64.0);
+    for (const Vector2d& x : {at.x1, at.x2}) {
+      left = std::min(left, x.x());
+      right = std::max(right, x.x());
+      low = std::max(low, x.y());
+      high = std::min(high, x.y());
+    }
+  }
+  const double side = std::max(right - left, low - high);
+  return {left - 0.12 * side, high - 0.22 * side, right + 0.12 * side, low + 0.12 * side};
+}
+
+/// Metres for a newton, so that the largest force is drawn a given part of the view long.
+double force_scale(double largest, const draw::View& view, double part) {
+  const double side = std::max(view.right - view.left, view.bottom - view.top);
+  return largest > 0.0 ? part * side / largest : 0.0;
+}
+
+draw::Color rod_color(const Canvas& canvas) { return canvas.theme().applied_force; }
+
+void draw_track(Canvas& canvas, const Scene& scene, const draw::View& view) {
+  parabola::draw_track(canvas, parabola::Scene{.p = scene.p}, view);
+}
+
+void draw_dumbbell(Canvas& canvas, const Instant& instant, double presence = 1.0) {
+  const auto& theme = canvas.theme();
+  canvas.link(point(instant.x1), point(instant.x2), 5.0, theme.body.faded(presence),
+              theme.body_edge.faded(presence));
+  parabola::draw_bead(canvas, instant.x1, presence);
+  parabola::draw_bead(canvas, instant.x2, presence);
+}
+
+/// The force of the curve on each bead, and of the rod on both.
+void draw_forces(Canvas& canvas, const Instant& i, double scale, bool labelled) {
+  const auto arrow = [&](const Vector2d& at, const Vector2d& force, draw::Color color,
+                         const char* name) {
+    canvas.arrow(point(at), point(scale * force), color,
+                 labelled ? fmt::format("{} {:.2f} N", name, force.norm()) : "");
+  };
+  arrow(i.x1, i.curve1, canvas.theme().constraint_force, "curve");
+  arrow(i.x2, i.curve2, canvas.theme().constraint_force, "curve");
+  arrow(i.x1, i.rod1, rod_color(canvas), "rod");
+  arrow(i.x2, -i.rod1, rod_color(canvas), "rod");
+}
+
+/// Chapter 1's scene over half a period: its formula as a line, the global solver as marks.
+Picture one_bead_picture(const RunOptions& run) {
+  const parabola::Scene scene;
+  OneBead solver(scene);
+  measure::Motion<parabola::ImplicitBead> bead(parabola::ImplicitBead(scene), {});
+  const double half = 0.5 * parabola::ExactMotion(scene).period();
+  const long steps = std::max(24L, std::lround(half / run.step)), stride = steps / 24;
+  draw::Curve formula{.label = "chapter 1's formula", .thickness = 2.4};
+  draw::Curve global{.label = "global solver", .markers = true, .line = false};
+  double worst = 0.0;
+  for (long done = 0; done <= steps; ++done) {
+    const Vector2d force = bead.model().constraint_force(bead.q(), bead.v(), scene.applied_force());
+    const OneBead::Answer answer = solver.solve(bead.q(), bead.v());
+    worst = std::max(worst, (answer.force - force).norm() / force.norm());
+    formula.points.push_back({bead.time(), force.norm()});
+    if (done % stride == 0) global.points.push_back({bead.time(), answer.force.norm()});
+    bead.advance(1, half / static_cast<double>(steps));
+  }
+  const std::string caption = fmt::format(
+      "Chapter 1's bead over half a period: at all {} states the two forces agree to {} of the "
+      "force.",
+      steps + 1, worst < 1e-12 ? "better than 10⁻¹²" : figure(worst));
+  return {"one_bead", [=](draw::Pen& pen) {
+            draw::Plot plot{.x = {.label = "time [s]"},
+                            .y = {.label = "constraint force [N]", .min = 0.0},
+                            .curves = {formula, global},
+                            .legend = draw::Legend::top_right};
+            draw::draw_plot(
+                pen,
+                draw::page(pen, "One bead: the global solver returns chapter 1's force", caption),
+                plot);
+          }};
+}
+
+Picture scene_picture(const Scene& scene, const RunOptions& run) {
+  Motion start = motion(scene, {});
+  const Instant instant = now(start);
+  const draw::View seen = view(scene, run.duration);
+  const double weight1 = scene.m1 * scene.gravity, weight2 = scene.m2 * scene.gravity;
+  const double scale = force_scale(std::max({largest_force(instant), weight1, weight2}), seen, 0.2);
+  const std::string caption = fmt::format(
+      "Two beads, one curve, one rod of {:.4g} m: 4 coordinates, 3 constraints, 1 degree of "
+      "freedom. At rest the rod carries {:.2f} N.",
+      scene.rod(), instant.rod1.norm());
+  return {"scene", [=](draw::Pen& pen) {
+            Canvas canvas(pen, draw::page(pen, "Two beads on a curve, joined by a rod", caption),
+                          seen);
+            canvas.axes("m");
+            draw_track(canvas, scene, seen);
+            const double middle = 0.5 * (seen.left + seen.right);
+            canvas.label({middle, seen.top},
+                         fmt::format("curve: C = x² + 2py = 0,  p = {:g} m", scene.p),
+                         canvas.theme().track, draw::Font::bold, draw::Align::center, {0.0, 20.0});
+            canvas.label({middle, seen.top},
+                         fmt::format("rod: C = ½(|d|² − l²) = 0,  l = {:.4g} m", scene.rod()),
+                         rod_color(canvas), draw::Font::bold, draw::Align::center, {0.0, 42.0});
+            canvas.arrow(point(instant.x1), {0.0, scale * weight1}, canvas.theme().weight,
+                         fmt::format("weight {:.2f} N", weight1));
+            canvas.arrow(point(instant.x2), {0.0, scale * weight2}, canvas.theme().weight,
+                         fmt::format("weight {:.2f} N", weight2));
+            draw_forces(canvas, instant, scale, true);
+            draw_dumbbell(canvas, instant);
+            const double side = scene.x2 > scene.x1 ? 1.0 : -1.0;
+            const auto outer = side > 0.0 ? draw::Align::left : draw::Align::right;
+            canvas.label(point(instant.x2), fmt::format("bead2, {:g} kg", scene.m2),
+                         canvas.theme().ink, draw::Font::bold, outer, {14.0 * side, 14.0});
+            canvas.label(point(instant.x1), fmt::format("bead1, {:g} kg", scene.m1),
+                         canvas.theme().ink, draw::Font::bold, outer, {14.0 * side, 14.0});
+          }};
+}
+
+Picture jacobian_picture(const Scene& scene) {
+  program::Mechanism mechanism = make_mechanism(scene, {});
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Matrix J = mechanism.system.jacobian(mechanism.initial_position());
+  const Matrix K = J * mechanism.system.W().asDiagonal() * J.transpose();
+  using Sides = std::vector<program::Jacobian::Side>;
+  const Sides joints{{"bead1_curve", {""}}, {"bead2_curve", {""}}, {"bead1_bead2", {""}}};
+  const program::Jacobian left{.joints = joints,
+                               .things = {{"bead1", {"x", "y"}}, {"bead2", {"x", "y"}}},
+                               .values = {J.data(), J.data() + J.size()}};
+  const program::Jacobian right{
+      .joints = joints,
+      .things = {{"bead1_curve", {" "}}, {"bead2_curve", {" "}}, {"bead1_bead2", {" "}}},
+      .values = {K.data(), K.data() + K.size()}};
+  const std::string caption = fmt::format(
+      "{} of 6 blocks of J are there; the others are zero and have no storage. A bead is a "
+      "particle: no column for an angle. The two curves share no bead, so J W Jᵀ is blank there.",
+      mechanism.system.counts().jacobian_blocks);
+  return {"jacobian", [=](draw::Pen& pen) {
+            const draw::Rect content = draw::page(
+                pen, "The global J: a row for each constraint, columns for each bead", caption);
+            const double gap = 40.0, width = 0.5 * (content.width - gap), top = content.top + 30.0;
+            const double height = 0.8 * (content.bottom() - top);
+            const double second = content.left + width + gap;
+            pen.text({content.left, content.top + 14.0}, "J at the start [m]", pen.theme().ink,
+                     draw::Font::bold);
+            pen.text({second, content.top + 14.0}, "J W Jᵀ at the start [m²/kg]", pen.theme().ink,
+                     draw::Font::bold);
+            program::draw_jacobian(pen, {content.left, top, width, height}, left);
+            program::draw_jacobian(pen, {second, top, width, height}, right);
+          }};
+}
+
+/// Half a swing, or the run where there is none, in a few exposures.
+Picture motion_picture(const Scene& scene, const RunOptions& run) {
+  constexpr int exposures = 5;
+  const double half = std::min(0.5 * ExactMotion(scene).period(), run.duration);
+  Motion beads = motion(scene, run.method);
+  std::vector<Instant> instants;
+  double largest = 0.0, rod_time = 0.0, rod_force = 0.0;
+  for (int i = 0; i < exposures; ++i) {
+    advance_to(beads, half * i / (exposures - 1), run.step);
+    instants.push_back(now(beads));
+    largest = std::max(largest, largest_force(instants.back()));
+    if (instants.back().rod1.norm() > rod_force) {
+      rod_force = instants.back().rod1.norm();
+      rod_time = instants.back().t;
+    }
+  }
+  const draw::View seen = view(scene, half);
+  const double scale = force_scale(largest, seen, 0.2);
+  const std::string caption = fmt::format(
+      "Of these exposures the rod carries most at t = {:.2f} s, {:.2f} N ({}, step {:g} s).",
+      rod_time, rod_force, run.method.label(), run.step);
+  return {"motion", [=](draw::Pen& pen) {
+            Canvas canvas(
+                pen,
+                draw::page(pen,
+                           fmt::format("{} exposures, from t = 0 to t = {:.2f} s", exposures, half),
+                           caption),
+                seen);
+            canvas.axes("m");
+            draw_track(canvas, scene, seen);
+            for (std::size_t i = 0; i < instants.size(); ++i) {
+              const Instant& instant = instants[i];
+              draw_dumbbell(canvas, instant, 0.3 + 0.7 * static_cast<double>(i) / (exposures - 1));
+              draw_forces(canvas, instant, scale, false);
+              const Vector2d d = (instant.x2 - instant.x1).normalized();
+              const Vector2d up = d.x() > 0.0 ? Vector2d(d.y(), -d.x()) : Vector2d(-d.y(), d.x());
+              canvas.label(point(0.5 * (instant.x1 + instant.x2)),
+                           fmt::format("{:.1f} s", instant.t), canvas.theme().muted,
+                           draw::Font::small, draw::Align::center, {26.0 * up.x(), 14.0 * up.y()});
+            }
+            const double middle = 0.5 * (seen.left + seen.right);
+            canvas.label({middle, seen.top}, "force of the curve on each bead",
+                         canvas.theme().constraint_force, draw::Font::bold, draw::Align::center,
+                         {0.0, 16.0});
+            canvas.label({middle, seen.top}, "force of the rod on each bead", rod_color(canvas),
+                         draw::Font::bold, draw::Align::center, {0.0, 36.0});
+          }};
+}
+
+program::Drift drift(const Scene& scene, const measure::Method& method, double duration,
+                     double step) {
+  Motion beads = motion(scene, method);
+  return program::drift(method.label(), beads, duration, step);
+}
+
+Picture drift_picture(const Scene& scene, const RunOptions& run) {
+  std::vector<program::Drift> drifts;
+  for (const auto& method : integrators::methods)
+    drifts.push_back(drift(scene, {.integrator = method.name}, run.duration, run.step));
+  const std::string caption = fmt::format(
+      "No stabilization, step {:g} s, {:g} s: explicit Euler strays to |C| = {} m², RK4 to {} m².",
+      run.step, run.duration, figure(drifts.front().largest_constraint_error),
+      figure(drifts.back().largest_constraint_error));
+  return program::drift_picture("drift", "How three methods let go of three constraints", caption,
+                                drifts, "m²");
+}
+
+Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
+  // Coarse and long enough that RK4 has something to correct.
+  const double step = 20.0 * run.step, duration = 10.0 * run.duration;
+  constexpr auto rk4 = integrators::Name::rk4;
+  std::vector<program::Drift> drifts;
+  for (const auto& [label, method] :
+       {std::pair{"rk4", measure::Method{}},
+        {"feedback, ks = 1, kd = 2", {rk4, Stabilization::feedback, 1.0, 2.0}},
+        {"feedback, ks = 25, kd = 10", {rk4, Stabilization::feedback, 25.0, 10.0}},
+        {"projection", {rk4, Stabilization::projection}}}) {
+    drifts.push_back(drift(scene, method, duration, step));
+    drifts.back().label = label;
+  }
+  const std::string caption = fmt::format(
+      "RK4 with a coarse step of {:g} s over {:g} s: largest |C| {} m² alone, {} m² with soft "
+      "feedback, {} m² with hard feedback, rounding with projection.",
+      step, duration, figure(drifts[0].largest_constraint_error),
+      figure(drifts[1].largest_constraint_error), figure(drifts[2].largest_constraint_error));
+  return program::drift_picture("stabilization", "Holding the drift down", caption, drifts, "m²");
+}
+
+Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
+  const double duration = 0.15 * run.duration;  // before it flies apart altogether
+  measure::Motion<OneByOne> apart(OneByOne(scene), {});
+  Motion together = motion(scene, {});
+  const std::vector<program::Drift> drifts{
+      program::drift("each constraint by itself", apart, duration, run.step),
+      program::drift("all of J W Jᵀ", together, duration, run.step)};
+  const std::string caption = fmt::format(
+      "One by one the forces break each other's constraints: |C| = {} m² after {:g} s. Solved "
+      "together: {} m² (rk4, step {:g} s).",
+      figure(drifts[0].largest_constraint_error), duration,
+      figure(drifts[1].largest_constraint_error), run.step);
+  return program::drift_picture("turned_off", "The blocks beside the diagonal, left out", caption,
+                                drifts, "m²");
+}
+
+}  // namespace
+
+std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
+  return {scene_picture(scene, run),     one_bead_picture(run),
+          jacobian_picture(scene),       motion_picture(scene, run),
+          drift_picture(scene, run),     stabilization_picture(scene, run),
+          turned_off_picture(scene, run)};
+}
+
+Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
+  Motion beads = motion(scene, run.method);
+  std::vector<draw::Point> trails[2];
+  constexpr int pieces = 400;
+  for (int i = 0; i <= pieces; ++i) {
+    advance_to(beads, t * i / pieces, run.step);
+    trails[0].push_back({beads.q()[0], beads.q()[1]});
+    trails[1].push_back({beads.q()[2], beads.q()[3]});
+  }
+  const Instant instant = now(beads);
+  const draw::View seen = view(scene, std::max(t, run.duration));
+  const double scale = force_scale(largest_force(instant), seen, 0.2);
+  const std::string caption = fmt::format(
+      "t = {:.3f} s: bead1 at x = {:.3f} m, bead2 at x = {:.3f} m, |C| = {} m² ({}, "
+      "step {:g} s).",
+      instant.t, instant.x1.x(), instant.x2.x(), figure(beads.measures().constraint_error),
+      run.method.label(), run.step);
+  return {fmt::format("at_{:g}s", t), [=](draw::Pen& pen) {
+            Canvas canvas(pen, draw::page(pen, "Two beads on a curve, joined by a rod", caption),
+                          seen);
+            canvas.axes("m");
+            draw_track(canvas, scene, seen);
+            for (const auto& trail : trails)
+              canvas.curve(trail, canvas.theme().velocity, 2.0, draw::Dash::dotted);
+            draw_forces(canvas, instant, scale, true);
+            draw_dumbbell(canvas, instant);
+          }};
+}
+
+}  // namespace dumbbell

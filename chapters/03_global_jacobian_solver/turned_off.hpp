@@ -1,0 +1,32 @@
+#pragma once
+
+#include "scene.hpp"
+
+namespace dumbbell {
+
+/// The dumbbell with each constraint solved by itself, as if the others did not push: of J W Jᵀ
+/// only the diagonal is used. Each force keeps its own C̈ at zero, and the others then break it.
+class OneByOne : public program::Mechanism {
+ public:
+  explicit OneByOne(const Scene& scene)
+      : Mechanism(make_mechanism(scene, {})), free_(0, scene.gravity, 0, scene.gravity) {}
+
+  // [one_by_one]
+  void acceleration(double, const Vector& q, const Vector& v, Vector& a) {
+    const Eigen::MatrixXd J = system.jacobian(q);
+    const Vector2d v1 = v.head<2>(), v2 = v.tail<2>();
+    const Eigen::Vector3d Jdot_v(2 * v1.x() * v1.x(), 2 * v2.x() * v2.x(), (v2 - v1).squaredNorm());
+    a = free_;  // W F
+    for (int k = 0; k < 3; ++k) {
+      const Vector W_Jt = system.W().cwiseProduct(J.row(k).transpose());
+      const double lambda = -(Jdot_v[k] + J.row(k) * free_) / (J.row(k) * W_Jt);
+      a += lambda * W_Jt;
+    }
+  }
+  // [one_by_one]
+
+ private:
+  Eigen::Vector4d free_;
+};
+
+}  // namespace dumbbell

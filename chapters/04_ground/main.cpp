@@ -1,0 +1,73 @@
+// Chapter 4: ground. A plate held in its place: the reaction to a load, the way back from a wrong
+// start, and what it saves to leave out of the system what does not move. See scene.hpp.
+
+#include "cost.hpp"
+#include "exact.hpp"
+#include "program/chapter.hpp"
+#include "program/files.hpp"
+#include "scene.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "pictures.hpp"
+#endif
+
+namespace {
+
+/// What leaving the ground out saves: a table, printed and saved as left_out.txt.
+void report_left_out(const std::filesystem::path& out) {
+  const std::string table = ground::left_out_table();
+  program::write_file(out / "left_out.txt", table);
+  fmt::print("\n{}\n{}\n", table, (out / "left_out.txt").string());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using measure::Stabilization;
+  ground::Scene scene;
+  measure::Method current;  // of the simulation last started: the exact answer depends on it
+  program::Chapter chapter;
+  chapter.directory = "04_ground";
+  chapter.title = "Ground";
+
+  const program::Range length{-1e6, 1e6};
+  chapter.parameters = {
+      {"--load", "N", "largest load at the right edge's midpoint, load·sin 2t", &scene.load,
+       program::any},
+      {"--offset-x", "m", "start off the place, along x", &scene.offset_x, length},
+      {"--offset-y", "m", "start off the place, along y", &scene.offset_y, length},
+      {"--offset-theta", "rad", "start turned", &scene.offset_theta, length},
+  };
+  chapter.defaults = {.duration = 5.0, .step = 0.01};
+
+  chapter.start = [&](const measure::Method& method) {
+    current = method;
+    return std::make_unique<measure::Motion<program::Mechanism>>(
+        ground::make_mechanism(scene, method), method);
+  };
+
+  chapter.quantities = {
+      {"position", "m"}, {"angle", "rad"}, {"reaction force", "N"}, {"reaction moment", "N·m"}};
+  chapter.errors = [&](const measure::Row& row) { return ground::errors(scene, current, row); };
+
+  using enum integrators::Name;
+  chapter.ladder = {.methods = {{explicit_euler, Stabilization::feedback, 25.0, 10.0},
+                                {semi_implicit_euler, Stabilization::feedback, 25.0, 10.0},
+                                {rk4, Stabilization::feedback, 25.0, 10.0}},
+                    .duration = 1.0,
+                    .coarsest = 0.05,
+                    .rungs = 15};
+  chapter.before_report = [&] {  // a plate in its place has no error to measure
+    if (scene.offset().isZero())
+      scene.offset_x = 0.05, scene.offset_y = -0.03, scene.offset_theta = 0.2;
+  };
+  chapter.also_report = report_left_out;
+
+#ifdef TUTORIAL_PICTURES
+  chapter.pictures = [&](const program::RunOptions& run) { return ground::pictures(scene, run); };
+  chapter.picture_at = [&](const program::RunOptions& run, double t) {
+    return ground::picture_at(scene, run, t);
+  };
+#endif
+  return program::run_chapter(argc, argv, chapter);
+}

@@ -1,0 +1,312 @@
+#include "pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "draw/canvas.hpp"
+#include "draw/page.hpp"
+#include "exact.hpp"
+#include "integrators/amplification.hpp"
+
+namespace ground {
+namespace {
+
+using draw::Canvas;
+using draw::Point;
+using measure::Method;
+using measure::Stabilization;
+using program::Picture;
+using program::RunOptions;
+
+using Motion = measure::Motion<program::Mechanism>;
+
+Motion motion(const Scene& scene, const Method& method) {
+  return {make_mechanism(scene, method), method};
+}
+
+/// A displaced plate, where the reader gave no displacement.
+Scene displaced(Scene scene) {
+  if (scene.offset().isZero())
+    scene.offset_x = 0.05, scene.offset_y = -0.03, scene.offset_theta = 0.2;
+  return scene;
+}
+
+struct Instant {
+  double t;
+  Eigen::Vector3d q, reaction;
+};
+
+Instant now(Motion& motion) {
+  const measure::Row row = motion.row();
+  return {row.t,
+          {row.state[0], row.state[1], row.state[2]},
+          {row.reactions[0], row.reactions[1], row.reactions[2]}};
+}
+
+draw::View view(const Scene& scene) {
+  const double x = 0.75 + std::abs(scene.offset_x), y = 0.55 + std::abs(scene.offset_y);
+  return {-x, -y, x, y};
+}
+
+void draw_plate(Canvas& canvas, const Eigen::Vector3d& q, double presence) {
+  canvas.box({q.x(), q.y()}, Scene::width, Scene::height, q.z(),
+             canvas.theme().body.faded(presence), canvas.theme().body_edge);
+}
+
+/// Weight, load and reaction as arrows, and the reaction's moment in words.
+void draw_forces(Canvas& canvas, const Scene& scene, const Instant& at) {
+  const auto& theme = canvas.theme();
+  const double load = scene.load_at(at.t), weight = Scene::mass * Scene::gravity;
+  const double scale = 0.38 / std::max({weight, std::abs(load), at.reaction.head<2>().norm()});
+  const Point centre{at.q.x(), at.q.y()};
+  const Point edge{at.q.x() + 0.5 * Scene::width * std::cos(at.q.z()),
+                   at.q.y() + 0.5 * Scene::width * std::sin(at.q.z())};
+  canvas.arrow(centre, {0.0, scale * weight}, theme.weight, fmt::format("weight {:.2f} N", weight));
+  canvas.arrow(edge, {0.0, scale * load}, theme.applied_force,
+               fmt::format("load {:.2f} N", std::abs(load)));
+  canvas.arrow(
+      centre, {scale * at.reaction.x(), scale * at.reaction.y()}, theme.constraint_force,
+      fmt::format("reaction {:.2f} N, {:+.2f} N·m", at.reaction.head<2>().norm(), at.reaction.z()));
+}
+
+Picture plate_picture(const std::string& name, const std::string& title, const std::string& caption,
+                      const Scene& scene, const Instant& at) {
+  return {name, [=](draw::Pen& pen) {
+            Canvas canvas(pen, draw::page(pen, title, caption), view(scene));
+            canvas.axes("m");
+            canvas.ground({0.0, 0.5 * Scene::height}, 0.0,
+                          1.1 * Scene::width * canvas.points_per_metre());
+            draw_plate(canvas, at.q, 0.6);
+            draw_forces(canvas, scene, at);
+          }};
+}
+
+Picture scene_picture(const Scene& scene) {
+  Motion plate = motion(scene, {});
+  plate.advance(40, 0.01);
+  const Instant at = now(plate);
+  return plate_picture("scene", "A plate held by the ground",
+                       fmt::format("At t = {:g} s the load is {:.2f} N; the reaction is minus "
+                                   "weight and load, and minus their moment.",
+                                   at.t, scene.load_at(at.t)),
+                       scene, at);
+}
+
+Picture reaction_picture(const Scene& scene, const RunOptions& run) {
+  Motion plate = motion(scene, run.method);
+  draw::Curve fy{.label = "reaction force fy [N]", .thickness = 4.5},
+      expected{.label = "minus weight and load", .dash = draw::Dash::dashed};
+  draw::Curve moment{.label = "reaction moment [N·m]", .thickness = 4.5},
+      expected_moment{.label = "minus the load's moment", .dash = draw::Dash::dashed};
+  double worst = 0.0;
+  const long steps = run.whole_steps(), stride = std::max(1L, steps / 250);
+  for (long done = 0; done <= steps; done += stride) {
+    const Instant at = now(plate);
+    const Eigen::Vector3d F = scene.applied(at.t, at.q.z());
+    fy.points.push_back({at.t, at.reaction.y()});
+    expected.points.push_back({at.t, -F.y()});
+    moment.points.push_back({at.t, at.reaction.z()});
+    expected_moment.points.push_back({at.t, -F.z()});
+    worst = std::max(
+        worst, (at.reaction - exact(scene, run.method, at.t).reaction).lpNorm<Eigen::Infinity>());
+    plate.advance(stride, run.step);
+  }
+  const std::string caption = fmt::format(
+      "Over {:g} s the computed reaction differs from the exact one by at most {} N or N·m.",
+      run.duration, program::figure(worst));
+  return {"reaction", [=](draw::Pen& pen) {
+            const draw::Rect content =
+                draw::page(pen, "The reaction of the ground under the load 5 sin 2t", caption);
+            const double width = 0.5 * (content.width - 24.0);
+            draw::Plot left{.title = "force",
+                            .x = {.label = "time [s]"},
+                            .y = {.label = "[N]"},
+                            .curves = {fy, expected},
+                            .legend = draw::Legend::above};
+            draw::Plot right{.title = "moment",
+                             .x = {.label = "time [s]"},
+                             .y = {.label = "[N·m]"},
+                             .curves = {moment, expected_moment},
+                             .legend = draw::Legend::above};
+            for (draw::Plot* plot : {&left, &right}) {
+              plot->curves[0].color = pen.theme().series[3];
+              plot->curves[1].color = pen.theme().series[0];
+            }
+            draw::draw_plot(pen, {content.left, content.top, width, content.height}, left);
+            draw::draw_plot(pen, {content.left + width + 24.0, content.top, width, content.height},
+                            right);
+          }};
+}
+
+/// Measured angles as markers on the exact curve, for one pair of gains.
+void add_decay(draw::Plot& plot, const Scene& scene, double ks, double kd, const std::string& label,
+               std::size_t color, const draw::Theme& theme, double duration, double step,
+               double& worst) {
+  const Method method{integrators::Name::rk4,
+                      ks == 0.0 && kd == 0.0 ? Stabilization::none : Stabilization::feedback, ks,
+                      kd};
+  draw::Curve line{.label = label, .color = theme.series[color]},
+      markers{.color = theme.series[color], .markers = true, .line = false};
+  Motion plate = motion(scene, method);
+  const long steps = std::lround(duration / step);
+  for (long done = 0; done <= steps; ++done) {
+    const double t = static_cast<double>(done) * step;
+    const Eigen::Vector3d truth = exact(scene, method, t).q;
+    line.points.push_back({t, truth.z()});
+    if (done % std::max(1L, steps / 24) == 0) markers.points.push_back({t, plate.q()[2]});
+    worst = std::max(worst, std::abs(truth.z() - plate.q()[2]));
+    if (done < steps) plate.advance(1, step);
+  }
+  plot.curves.push_back(line);
+  plot.curves.push_back(markers);
+}
+
+struct Gains {
+  double ks, kd;
+  std::string label;
+};
+
+Picture decay_picture(const std::string& name, const std::string& title,
+                      const std::string& sentence, const Scene& scene, double step,
+                      const std::vector<Gains>& gains) {
+  draw::Plot plot;
+  plot.x.label = "time [s]";
+  plot.y.label = "angle of the plate [rad]";
+  double worst = 0.0;
+  for (std::size_t i = 0; i < gains.size(); ++i)
+    add_decay(plot, scene, gains[i].ks, gains[i].kd, gains[i].label, i, draw::theme("light"), 2.0,
+              step, worst);
+  const std::string caption =
+      fmt::format("{} Lines: closed form. Markers: RK4 with a step of {:g} s, at most {} rad away.",
+                  sentence, step, program::figure(worst));
+  return {name, [=](draw::Pen& pen) {
+            draw::Plot colored = plot;
+            for (std::size_t i = 0; i < colored.curves.size(); ++i)
+              colored.curves[i].color = pen.theme().series[i / 2];
+            colored.legend = draw::Legend::top_right;
+            draw::draw_plot(pen, draw::page(pen, title, caption), colored);
+          }};
+}
+
+/// Whether 400 steps of the plate itself stay bounded, as a user would see it.
+bool stays(integrators::Name integrator, double kd_h, double ks_hh) {
+  constexpr double h = 0.01;
+  const Method method{integrator, Stabilization::feedback, ks_hh / (h * h), kd_h / h};
+  Motion plate = motion({.load = 0.0, .offset_x = 1.0}, method);
+  try {
+    plate.advance(400, h);
+  } catch (const measure::Diverged&) {
+    return false;
+  }
+  return std::abs(plate.q()[0]) + h * std::abs(plate.v()[0]) < 2.0;
+}
+
+Picture gains_picture() {
+  struct Panel {
+    integrators::Name integrator;
+    double x, y;  // the part of the plane that is shown
+    std::vector<Point> stable, unstable, boundary;
+  };
+  std::vector<Panel> panels{{integrators::Name::explicit_euler, 4.5, 4.5, {}, {}, {}},
+                            {integrators::Name::semi_implicit_euler, 2.5, 4.5, {}, {}, {}},
+                            {integrators::Name::rk4, 3.5, 9.0, {}, {}, {}}};
+  int agree = 0, all = 0;
+  for (Panel& panel : panels) {
+    const auto theory = [&](double x, double y) {
+      return integrators::amplification(panel.integrator, 1.0, y, x) <= 1.0;
+    };
+    constexpr int cells = 18;
+    for (int i = 0; i < cells; ++i)
+      for (int j = 0; j < cells; ++j) {
+        const double x = panel.x * (i + 0.5) / cells, y = panel.y * (j + 0.37) / cells;
+        const bool stable = stays(panel.integrator, x, y);
+        (stable ? panel.stable : panel.unstable).push_back({x, y});
+        agree += stable == theory(x, y) ? 1 : 0;
+        ++all;
+      }
+    constexpr int fine = 400;
+    for (int i = 0; i < fine; ++i)
+      for (int j = 1; j < fine; ++j) {
+        const double x = panel.x * (i + 0.5) / fine, below = panel.y * (j - 0.5) / fine,
+                     above = panel.y * (j + 0.5) / fine;
+        if (theory(x, below) != theory(x, above))
+          panel.boundary.push_back({x, 0.5 * (below + above)});
+      }
+  }
+  const std::string caption = fmt::format(
+      "{} of {} measured points lie on the side of the boundary that theory says.", agree, all);
+  return {
+      "gains", [=](draw::Pen& pen) {
+        const draw::Rect content = draw::page(pen, "Which gains and steps are stable", caption);
+        const double gap = 18.0, width = (content.width - 2.0 * gap) / 3.0;
+        pen.circle({content.left + 6.0, content.top + 10.0}, 4.0, pen.theme().series[0]);
+        pen.text({content.left + 18.0, content.top + 10.0}, "measured: stays", pen.theme().ink);
+        const double x = content.left + 156.0, y = content.top + 10.0;
+        const std::vector<Point> square{
+            {x - 4, y - 4}, {x + 4, y - 4}, {x + 4, y + 4}, {x - 4, y + 4}};
+        pen.polygon(square, pen.theme().series[1].faded(0.55));
+        pen.text({content.left + 168.0, content.top + 10.0}, "measured: grows", pen.theme().ink);
+        pen.line({content.left + 306.0, content.top + 10.0},
+                 {content.left + 334.0, content.top + 10.0}, pen.theme().ink, 2.4);
+        pen.text({content.left + 342.0, content.top + 10.0}, "theory: amplification 1",
+                 pen.theme().ink);
+        for (std::size_t k = 0; k < panels.size(); ++k) {
+          const Panel& panel = panels[k];
+          const draw::Rect area{content.left + static_cast<double>(k) * (width + gap),
+                                content.top + 28.0, width, content.height - 28.0};
+          draw::Plot plot{.title = std::string(integrators::method(panel.integrator).text),
+                          .x = {.label = "kd h", .min = 0.0, .max = panel.x},
+                          .y = {.label = "ks h²", .min = 0.0, .max = panel.y}};
+          plot.curves.push_back({.points = panel.stable,
+                                 .color = pen.theme().series[0],
+                                 .markers = true,
+                                 .line = false});
+          plot.curves.push_back({.points = panel.unstable,
+                                 .color = pen.theme().series[1].faded(0.55),
+                                 .markers = true,
+                                 .line = false});
+          // The boundary as short strokes: it may have several branches over one kd h.
+          for (const Point& p : panel.boundary)
+            plot.curves.push_back(
+                {.points = {{p.x - 0.002 * panel.x, p.y}, {p.x + 0.002 * panel.x, p.y}},
+                 .color = pen.theme().ink,
+                 .thickness = 2.4});
+          plot.legend = draw::Legend::none;
+          draw::draw_plot(pen, area, plot);
+        }
+      }};
+}
+
+}  // namespace
+
+std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
+  const Scene off = displaced(scene);
+  return {scene_picture(scene), reaction_picture(scene, run),
+          decay_picture("decay", "The way back, by three dampings", "ks = 25 1/s².", off, run.step,
+                        {{25.0, 3.0, "kd = 3 1/s, underdamped"},
+                         {25.0, 10.0, "kd = 10 1/s, critical"},
+                         {25.0, 30.0, "kd = 30 1/s, overdamped"}}),
+          gains_picture(),
+          decay_picture("turned_off", "Feedback, in part and not at all",
+                        "Without kd the plate swings for ever, without both it stays off.", off,
+                        run.step,
+                        {{25.0, 10.0, "ks = 25 1/s², kd = 10 1/s"},
+                         {25.0, 0.0, "ks = 25 1/s², kd = 0"},
+                         {0.0, 0.0, "no feedback"}})};
+}
+
+Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
+  Motion plate = motion(scene, run.method);
+  const long steps = std::lround(t / run.step);
+  if (steps > 0) plate.advance(steps, run.step);
+  const Instant at = now(plate);
+  return plate_picture(
+      fmt::format("at_{}s", t), "A plate held by the ground",
+      fmt::format("t = {:.3f} s: off its place by {} ({}, step {:g} s).", at.t,
+                  program::figure(plate.measures().constraint_error), run.method.label(), run.step),
+      scene, at);
+}
+
+}  // namespace ground

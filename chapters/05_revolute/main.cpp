@@ -1,0 +1,82 @@
+// Chapter 5: the revolute joint, which pins a point of one body to a point of another.
+//
+// One rod pinned to the world is the compound pendulum. A chain of them (--links) is the scene in
+// which the cost of the global solver can be watched as it grows. See scene.hpp.
+
+#include "cost.hpp"
+#include "exact.hpp"
+#include "program/chapter.hpp"
+#include "program/files.hpp"
+#include "scene.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "draw/image.hpp"
+#include "draw/offscreen.hpp"
+#include "pictures.hpp"
+#endif
+
+namespace {
+
+/// The cost of a step against the number of links: a table, cost_vs_links.csv and its plot.
+void report_cost(const std::filesystem::path& out) {
+  const revolute::CostTable costs = revolute::measure_costs();
+  fmt::print("\n{}", revolute::table(costs));
+  program::write_file(out / "cost_vs_links.csv", revolute::csv(costs));
+  fmt::print("{}\n", (out / "cost_vs_links.csv").string());
+#ifdef TUTORIAL_PICTURES
+  const program::Picture picture = revolute::cost_picture(costs);
+  program::write_file(out / (picture.name + ".png"),
+                      draw::encode_png(draw::render({}, picture.draw)));
+  fmt::print("{}\n", (out / (picture.name + ".png")).string());
+#endif
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using measure::Stabilization;
+  revolute::Scene scene;
+  program::Chapter chapter;
+  chapter.directory = "05_revolute";
+  chapter.title = "Revolute joint";
+
+  const program::Range lengths{1e-6, 1e6}, angles{-100.0, 100.0};
+  chapter.parameters = {
+      {"--links", "", "rods in the chain", &scene.links, {1, 1000}, true},
+      {"--length", "m", "of all rods together", &scene.length, lengths},
+      {"--mass", "kg", "of all rods together", &scene.mass, program::positive},
+      {"--angle0", "rad", "start, at rest: from +x towards +y, which is down", &scene.angle0,
+       angles},
+      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative},
+  };
+  chapter.defaults = {.duration = 5.0, .step = 0.005};
+
+  chapter.start = [&scene](const measure::Method& method) {
+    return std::make_unique<measure::Motion<program::Mechanism>>(
+        revolute::make_mechanism(scene, method), method);
+  };
+
+  chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}, {"pin force", "N"}};
+  chapter.errors = [&scene](const measure::Row& row) { return revolute::errors(scene, row); };
+
+  using enum integrators::Name;
+  chapter.ladder = {.methods = {{explicit_euler},
+                                {semi_implicit_euler},
+                                {rk4},
+                                {rk4, Stabilization::feedback, 100.0, 20.0},
+                                {rk4, Stabilization::projection}},
+                    .duration = 2.0,
+                    .coarsest = 0.1,
+                    .rungs = 15};
+  chapter.also_report = report_cost;
+
+#ifdef TUTORIAL_PICTURES
+  chapter.pictures = [&scene](const program::RunOptions& run) {
+    return revolute::pictures(scene, run);
+  };
+  chapter.picture_at = [&scene](const program::RunOptions& run, double t) {
+    return revolute::picture_at(scene, run, t);
+  };
+#endif
+  return program::run_chapter(argc, argv, chapter);
+}

@@ -1,0 +1,390 @@
+#include "pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "draw/canvas.hpp"
+#include "draw/page.hpp"
+#include "turned_off.hpp"
+
+namespace revolute {
+namespace {
+
+using draw::Canvas;
+using measure::Stabilization;
+using program::Picture;
+using program::RunOptions;
+
+using Motion = measure::Motion<program::Mechanism>;
+
+template <class Joint = joints::Revolute>
+Motion motion(const Scene& scene, const measure::Method& method = {}) {
+  return {make_mechanism<Joint>(scene, method), method};
+}
+
+draw::Point point(const Vector2d& x) { return {x.x(), x.y()}; }
+
+/// The chain at one time: its pins from the world's to the free end, and the force of the world's.
+struct Instant {
+  double t;
+  std::vector<Vector2d> pins;
+  Vector2d pin_force;
+
+  const Vector2d& end() const { return pins.back(); }
+};
+
+Instant now(const Scene& scene, Motion& motion) {
+  const measure::Row row = motion.row();
+  Instant instant{row.t, {{0.0, 0.0}}, {row.reactions[0], row.reactions[1]}};
+  for (int i = 0; i < scene.N(); ++i) instant.pins.push_back(end_of_rod(scene, motion.q(), i));
+  return instant;
+}
+
+/// Moves on to the step nearest to t.
+void advance_to(Motion& motion, double t, double step) {
+  const long steps = std::lround((t - motion.time()) / step);
+  if (steps > 0) motion.advance(steps, step);
+}
+
+/// `count` instants from 0 to `duration`, evenly spaced.
+std::vector<Instant> exposures(const Scene& scene, Motion& motion, double duration, double step,
+                               int count) {
+  std::vector<Instant> instants;
+  for (int i = 0; i < count; ++i) {
+    advance_to(motion, duration * i / (count - 1), step);
+    instants.push_back(now(scene, motion));
+  }
+  return instants;
+}
+
+void draw_chain(Canvas& canvas, const Instant& instant, double width_points, double presence) {
+  const auto& theme = canvas.theme();
+  for (std::size_t i = 0; i + 1 < instant.pins.size(); ++i)
+    canvas.link(point(instant.pins[i]), point(instant.pins[i + 1]), width_points,
+                theme.body.faded(presence), theme.body_edge.faded(presence));
+}
+
+/// What encloses the points, with some room around it.
+draw::View view_of(const std::vector<draw::Point>& points, double room) {
+  draw::View view{0.0, 0.0, 0.0, 0.0};
+  for (const draw::Point& p : points)
+    view = {std::min(view.left, p.x), std::min(view.top, p.y), std::max(view.right, p.x),
+            std::max(view.bottom, p.y)};
+  const double margin = room * std::max(view.right - view.left, view.bottom - view.top);
+  return {view.left - margin, view.top - margin, view.right + margin, view.bottom + margin};
+}
+
+/// Metres for a newton, so that the largest of some forces is drawn a given part of L long.
+double force_scale(const Scene& scene, double largest, double part) {
+  return largest > 0.0 ? part * scene.length / largest : 0.0;
+}
+
+Picture scene_picture(const Scene& given) {
+  Scene scene = given;
+  scene.links = 1;
+  Motion start = motion(scene);
+  const Instant instant = now(scene, start);
+  const Vector2d end = instant.end(), middle = end / 2;
+  const double weight = scene.mass * scene.gravity, pin = instant.pin_force.norm();
+  const double scale = force_scale(scene, std::max(weight, pin), 0.35);
+  const Vector2d weight_arrow(0.0, scale * weight), pin_arrow = scale * instant.pin_force;
+  const std::string caption = fmt::format(
+      "At the instant of release the pin carries {:.2f} N, {:.0f} % of the weight of {:.2f} N: the "
+      "rest of it starts the rod.",
+      pin, weight > 0.0 ? 100.0 * pin / weight : 0.0, weight);
+  const draw::View view = view_of(
+      {point(end), point(middle + weight_arrow), point(pin_arrow), {0.0, 0.25 * scene.length}},
+      0.16);
+  return {"scene", [=](draw::Pen& pen) {
+            Canvas canvas(pen, draw::page(pen, "A rod, pinned to the world at one end", caption),
+                          view);
+            canvas.axes("m");
+            const auto& theme = canvas.theme();
+            canvas.ground({0.0, 0.0}, std::numbers::pi / 2, 72.0);
+            draw_chain(canvas, instant, 18.0, 1.0);
+            canvas.arrow(point(middle), point(-middle), theme.ink);
+            canvas.pin({0.0, 0.0});
+            canvas.bead(point(middle), 4.0, theme.ink, theme.ink);
+            canvas.arrow(point(middle), point(weight_arrow), theme.weight,
+                         fmt::format("weight {:.2f} N", weight));
+            canvas.arrow({0.0, 0.0}, point(pin_arrow), theme.constraint_force,
+                         fmt::format("pin force {:.2f} N", pin));
+            canvas.label({0.0, 0.0}, "pin in the world: C = x + A u = 0", theme.track,
+                         draw::Font::bold, draw::Align::left, {14.0, 30.0});
+            canvas.label(point(middle), "centre of mass x", theme.ink, draw::Font::text,
+                         draw::Align::left, {8.0, -20.0});
+            canvas.label(point(end), "free end", theme.ink, draw::Font::text, draw::Align::right,
+                         {0.0, -20.0});
+            canvas.label(point(middle / 2), fmt::format("A u,  u = (−{:g}, 0) m", scene.length / 2),
+                         theme.ink, draw::Font::text, draw::Align::center, {0.0, -20.0});
+          }};
+}
+
+/// The way of the single rod from its start to its far side.
+Picture motion_picture(const Scene& given, const RunOptions& run) {
+  Scene scene = given;
+  scene.links = 1;
+  constexpr int count = 13;
+  const double small_swing =
+      std::numbers::pi * std::sqrt(2.0 * scene.length / (3.0 * scene.gravity));
+  const double duration = std::min(1.18 * small_swing, run.duration);  // 1.18: from horizontal
+  Motion rod = motion(scene, run.method);
+  const std::vector<Instant> instants = exposures(scene, rod, duration, run.step, count);
+  double largest = 0.0;
+  for (const Instant& instant : instants) largest = std::max(largest, instant.pin_force.norm());
+  const double scale = force_scale(scene, largest, 0.55), weight = scene.mass * scene.gravity;
+  std::vector<draw::Point> seen;
+  for (const Instant& instant : instants) {
+    seen.push_back(point(instant.end()));
+    seen.push_back(point(scale * instant.pin_force));
+  }
+  const draw::View view = view_of(seen, 0.08);
+  std::string caption = fmt::format("The pin carries up to {:.2f} N", largest);
+  if (weight > 0.0) caption += fmt::format(", {:.2f} times the weight", largest / weight);
+  caption += fmt::format(" ({}, step {:g} s).", run.method.label(), run.step);
+  return {
+      "motion", [=](draw::Pen& pen) {
+        Canvas canvas(pen,
+                      draw::page(pen,
+                                 fmt::format("{} exposures, from t = 0 to t = {:.2f} s", count,
+                                             instants.back().t),
+                                 caption),
+                      view);
+        canvas.axes("m");
+        const auto& theme = canvas.theme();
+        for (std::size_t i = 0; i < instants.size(); ++i) {
+          const Instant& instant = instants[i];
+          const double presence = 0.3 + 0.7 * static_cast<double>(i) / (count - 1);
+          draw_chain(canvas, instant, 9.0, presence);
+          const Vector2d& end = instant.end();
+          if (i % 2 == 0)
+            canvas.label(point(end), fmt::format("{:.2f} s", instant.t), theme.muted,
+                         draw::Font::small, end.x() < 0.0 ? draw::Align::right : draw::Align::left,
+                         {end.x() < 0.0 ? -10.0 : 10.0, 12.0});
+        }
+        for (const Instant& instant : instants)
+          canvas.arrow({0.0, 0.0}, point(scale * instant.pin_force), theme.constraint_force);
+        canvas.pin({0.0, 0.0});
+        canvas.label({0.0, view.top}, "arrows: force of the pin on the rod", theme.constraint_force,
+                     draw::Font::bold, draw::Align::center, {0.0, 12.0});
+      }};
+}
+
+/// A chain falling from its start.
+Picture chain_picture(const Scene& given, const RunOptions& run) {
+  Scene scene = given;
+  scene.links = 20;
+  constexpr int count = 8;
+  const double fall = std::sqrt(scene.length / std::max(scene.gravity, 1e-12));
+  const double duration = std::min(2.4 * fall, run.duration);
+  // Fine enough for the whip at the end, whose links are short.
+  const double step = duration / 2100.0;
+  Motion chain = motion(scene, {run.method.integrator, Stabilization::projection});
+  const double energy = chain.measures().energy;
+  const std::vector<Instant> instants = exposures(scene, chain, duration, step, count);
+  const double lost = std::abs(chain.measures().energy - energy);
+  std::vector<draw::Point> seen;
+  for (const Instant& instant : instants)
+    for (const Vector2d& pin : instant.pins) seen.push_back(point(pin));
+  const draw::View view = view_of(seen, 0.06);
+  const std::string caption = fmt::format(
+      "20 links of {:g} m: 60 coordinates, 40 rows, 20 degrees of freedom. Energy kept to {} J "
+      "(step {} s).",
+      scene.l(), program::figure(lost), program::figure(step));
+  return {"chain", [=](draw::Pen& pen) {
+            Canvas canvas(pen,
+                          draw::page(pen,
+                                     fmt::format("A chain falls: {} exposures, from t = 0 to t = "
+                                                 "{:.2f} s",
+                                                 count, duration),
+                                     caption),
+                          view);
+            canvas.axes("m");
+            const auto& theme = canvas.theme();
+            for (std::size_t i = 0; i < instants.size(); ++i) {
+              const Instant& instant = instants[i];
+              draw_chain(canvas, instant, 7.0, 0.25 + 0.75 * static_cast<double>(i) / (count - 1));
+            }
+            for (const Instant& instant : instants) {
+              const Vector2d& end = instant.end();
+              canvas.label(point(end), fmt::format("{:.2f} s", instant.t), theme.ink,
+                           draw::Font::small, draw::Align::left, {8.0, 10.0});
+            }
+            canvas.ground({0.0, 0.0}, std::numbers::pi);
+            canvas.pin({0.0, 0.0});
+          }};
+}
+
+/// Two double pendulums, released a hair apart.
+Picture chaos_picture(const Scene& given) {
+  Scene scene = given;
+  scene.links = 2;
+  scene.angle0 = -0.9;
+  Scene other = scene;
+  constexpr double hair = 1e-6;
+  other.angle0 += hair;
+  const double L = scene.length;
+  const double duration = 24.0 * std::sqrt(L / std::max(scene.gravity, 1e-12));
+  constexpr int pieces = 2000;
+  const double step = duration / (10 * pieces);
+  const measure::Method method{integrators::Name::rk4, Stabilization::projection};
+  Motion first = motion(scene, method), second = motion(other, method);
+  std::vector<draw::Point> together, trail_first, trail_second, apart;
+  double parted = duration;  // when they are a tenth of their length apart
+  for (int i = 0; i <= pieces; ++i) {
+    advance_to(first, duration * i / pieces, step);
+    advance_to(second, duration * i / pieces, step);
+    const Vector2d a = end_of_rod(scene, first.q(), 1), b = end_of_rod(scene, second.q(), 1);
+    const double distance = (a - b).norm();
+    apart.push_back({first.time(), distance});
+    if (distance > 0.1 * L) parted = std::min(parted, first.time());
+    if (trail_first.empty()) together.push_back(point(a));
+    if (distance > 0.01 * L || !trail_first.empty()) {
+      trail_first.push_back(point(a));
+      trail_second.push_back(point(b));
+    }
+  }
+  const Instant end_first = now(scene, first), end_second = now(scene, second);
+  const draw::View view{-1.1 * L, -1.1 * L, 1.1 * L, 1.1 * L};
+  const std::string caption = fmt::format(
+      "Released {} rad apart, they are {} m apart after {:.1f} s: about ten times further every "
+      "{:.1f} s. "
+      "Grey: the way of the free ends while they are less than {} m apart.",
+      program::figure(hair, 1), program::figure(0.1 * L, 1), parted,
+      parted / std::log10(0.1 / hair), program::figure(0.01 * L, 1));
+  return {"chaos", [=](draw::Pen& pen) {
+            const draw::Rect content =
+                draw::page(pen, "Two double pendulums, released a hair apart", caption);
+            const double gap = 20.0, width = 0.5 * (content.width - gap);
+            draw::Plot plot;
+            plot.x = {.label = "time [s]"};
+            plot.y = {.label = "distance of the free ends [m]", .log = true};
+            plot.curves = {{.points = apart, .color = pen.theme().ink}};
+            {
+              Canvas canvas(pen, {content.left, content.top, width, content.height}, view);
+              canvas.axes("m");
+              const auto& theme = canvas.theme();
+              canvas.curve(together, theme.muted.faded(0.5), 1.2);
+              canvas.curve(trail_first, theme.series[0], 1.6);
+              canvas.curve(trail_second, theme.series[1], 1.6);
+              for (const auto& [instant, color] :
+                   {std::pair{end_first, theme.series[0]}, std::pair{end_second, theme.series[1]}})
+                for (std::size_t i = 0; i < 2; ++i)
+                  canvas.link(point(instant.pins[i]), point(instant.pins[i + 1]), 8.0, color,
+                              theme.ink);
+              canvas.pin({0.0, 0.0});
+            }
+            draw::draw_plot(pen, {content.left + width + gap, content.top, width, content.height},
+                            plot);
+          }};
+}
+
+program::Drift drift(const std::string& label, Motion rods, double duration, double step) {
+  return program::drift(label, rods, duration, step);
+}
+
+Picture drift_picture(const Scene& scene, const RunOptions& run) {
+  std::vector<program::Drift> drifts;
+  for (const auto& method : integrators::methods)
+    drifts.push_back(drift(std::string(method.text), motion(scene, {.integrator = method.name}),
+                           run.duration, run.step));
+  const std::string caption = fmt::format(
+      "No stabilization, step {:g} s, {:g} s: with explicit Euler the pin opens by {} m, with RK4 "
+      "by {} m.",
+      run.step, run.duration, program::figure(drifts.front().largest_constraint_error),
+      program::figure(drifts.back().largest_constraint_error));
+  return program::drift_picture("drift", "How three methods open the pin", caption, drifts, "m");
+}
+
+Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
+  // Coarse enough and long enough that RK4 has something to correct.
+  const double step = 4.0 * run.step, duration = 6.0 * run.duration;
+  std::vector<program::Drift> drifts;
+  for (const measure::Method& method :
+       {measure::Method{},
+        measure::Method{integrators::Name::rk4, Stabilization::feedback, 100.0, 20.0},
+        measure::Method{integrators::Name::rk4, Stabilization::projection}})
+    drifts.push_back(drift(method.label(), motion(scene, method), duration, step));
+  const std::string caption = fmt::format(
+      "RK4 with a coarse step of {:g} s: the pin opens by {} m alone, by {} m with feedback (ks = "
+      "100, kd = 20), by {} m with projection.",
+      step, program::figure(drifts[0].largest_constraint_error),
+      program::figure(drifts[1].largest_constraint_error),
+      program::figure(drifts[2].largest_constraint_error));
+  return program::drift_picture("stabilization", "Holding the pin together", caption, drifts, "m");
+}
+
+Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
+  const std::vector<program::Drift> drifts{
+      drift("without −ω² A u", motion<WithoutJdotV>(scene), run.duration, run.step),
+      drift("with −ω² A u", motion(scene), run.duration, run.step)};
+  const std::string caption = fmt::format(
+      "Without −ω² A u the rod leaves its pin by {} m, with it by {} m (rk4, step {:g} s).",
+      program::figure(drifts[0].largest_constraint_error),
+      program::figure(drifts[1].largest_constraint_error), run.step);
+  return program::drift_picture("turned_off", "The term that bends the path, left out", caption,
+                                drifts, "m");
+}
+
+}  // namespace
+
+std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
+  return {scene_picture(scene),          motion_picture(scene, run),
+          chain_picture(scene, run),     chaos_picture(scene),
+          drift_picture(scene, run),     stabilization_picture(scene, run),
+          turned_off_picture(scene, run)};
+}
+
+Picture cost_picture(const CostTable& costs) {
+  draw::Curve curve{.label = "one RK4 step", .markers = true};
+  for (const Cost& cost : costs.rows)
+    curve.points.push_back({static_cast<double>(cost.links), 1e6 * cost.seconds});
+  const draw::Point end = curve.points.back();
+  const draw::Curve linear{.label = "∝ N",
+                           .points = {{1.0, 0.5 * end.y / end.x}, {end.x, 0.5 * end.y}},
+                           .dash = draw::Dash::dashed,
+                           .thickness = 1.2};
+  draw::Plot plot;
+  plot.x = {.label = "links N", .log = true};
+  plot.y = {.label = "processor time of a step [µs]", .log = true};
+  plot.curves = {curve, linear};
+  const std::string caption = fmt::format(
+      "A step of 1000 links costs {} µs. From 10 links on the cost grows as N to the power {:.2f}.",
+      program::figure(end.y), growth(costs, 10));
+  return {"cost_vs_links", [=](draw::Pen& pen) {
+            draw::draw_plot(pen, draw::page(pen, "What a longer chain costs", caption), plot);
+          }};
+}
+
+Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
+  Motion rods = motion(scene, run.method);
+  std::vector<draw::Point> trail{point(now(scene, rods).end())};
+  constexpr int pieces = 400;
+  for (int i = 1; i <= pieces; ++i) {
+    advance_to(rods, t * i / pieces, run.step);
+    trail.push_back(point(now(scene, rods).end()));
+  }
+  const Instant instant = now(scene, rods);
+  const double L = scene.length;
+  const draw::View view{-1.1 * L, -1.1 * L, 1.1 * L, 1.1 * L};
+  const double scale = force_scale(scene, instant.pin_force.norm(), 0.4);
+  const std::string caption =
+      fmt::format("t = {:.3f} s: pin force {:.2f} N, |C| = {} m ({}, step {:g} s).", instant.t,
+                  instant.pin_force.norm(), program::figure(rods.measures().constraint_error),
+                  run.method.label(), run.step);
+  return {fmt::format("at_{:g}s", t), [=](draw::Pen& pen) {
+            Canvas canvas(pen, draw::page(pen, "Rods on pins", caption), view);
+            canvas.axes("m");
+            canvas.curve(trail, canvas.theme().velocity, 1.6, draw::Dash::dotted);
+            draw_chain(canvas, instant, 9.0, 1.0);
+            canvas.arrow({0.0, 0.0}, point(scale * instant.pin_force),
+                         canvas.theme().constraint_force,
+                         fmt::format("pin force {:.2f} N", instant.pin_force.norm()));
+            canvas.pin({0.0, 0.0});
+          }};
+}
+
+}  // namespace revolute

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "joints/revolute.hpp"
+#include "program/mechanism.hpp"
+
+namespace revolute {
+
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+
+/// A chain of equal uniform rods, the first pinned to the world at (0, 0), each next one to the end
+/// of the one before, at rest in a straight line. One rod is the compound pendulum.
+struct Scene {
+  double links = 1;       ///< a whole number
+  double length = 1.0;    ///< of all rods together [m]
+  double mass = 1.0;      ///< of all rods together [kg]
+  double angle0 = 0.0;    ///< of the line, from +x towards +y [rad]
+  double gravity = 9.81;  ///< along +y [m/s²]
+
+  int N() const { return static_cast<int>(links); }
+  double l() const { return length / links; }          ///< of one rod [m]
+  double m() const { return mass / links; }            ///< of one rod [kg]
+  double I() const { return m() * l() * l() / 12.0; }  ///< of one rod, about its centre [kg·m²]
+};
+
+/// The direction from the start of a rod to its end.
+inline Vector2d direction(double theta) { return {std::cos(theta), std::sin(theta)}; }
+
+// [scene]
+template <class Joint = joints::Revolute>
+program::Mechanism make_mechanism(const Scene& scene, const measure::Method& method = {}) {
+  program::Mechanism mechanism(method);
+  dynamics::System& system = mechanism.system;
+  system.set_gravity({0.0, scene.gravity});
+
+  const int N = scene.N();
+  const Vector2d start(-scene.l() / 2, 0.0), end(scene.l() / 2, 0.0);  // in a rod's own frame
+  dynamics::Handle<dynamics::Body> before;
+  std::string name_before = "world";
+  for (int i = 0; i < N; ++i) {
+    const std::string name = N == 1 ? "rod" : fmt::format("rod{}", i + 1);
+    const Vector2d x = (i + 0.5) * scene.l() * direction(scene.angle0);
+    const auto rod = system.add_body(name, scene.m(), scene.I(), x, scene.angle0);
+    const std::string joint = name + "_" + name_before;
+    const auto pin = i == 0 ? system.add(joint, Joint{start, {0.0, 0.0}}, rod, system.world)
+                            : system.add(joint, Joint{start, end}, rod, before);
+    mechanism.report(joint, pin, rod);
+    before = rod;
+    name_before = name;
+  }
+  mechanism.assemble();
+  return mechanism;
+}
+// [scene]
+
+/// The end of rod i, counted from 0, and its velocity. q and v hold (x, y, θ) of each rod in turn.
+inline Vector2d end_of_rod(const Scene& scene, const VectorXd& q, int i) {
+  return q.segment<2>(3 * i) + scene.l() / 2 * direction(q[3 * i + 2]);
+}
+
+}  // namespace revolute

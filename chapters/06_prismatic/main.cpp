@@ -1,0 +1,66 @@
+// Chapter 6: the prismatic joint, which lets a body slide along a rail without turning on it.
+//
+// The rail is fixed in the world and inclined, or, with --spin, a body of its own that turns about
+// a pin while the block slides outwards on it. See scene.hpp.
+
+#include <string_view>
+
+#include "exact.hpp"
+#include "program/chapter.hpp"
+#include "scene.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "pictures.hpp"
+#endif
+
+int main(int argc, char** argv) {
+  using measure::Stabilization;
+  prismatic::Scene scene;
+  // On the incline RK4 is exact, so `report` measures the spinning rail unless told otherwise.
+  if (argc > 1 && std::string_view(argv[1]) == "report") scene.spin = 5.0;
+
+  program::Chapter chapter;
+  chapter.directory = "06_prismatic";
+  chapter.title = "Prismatic joint";
+
+  const program::Range inclines{-90.0, 90.0}, spins{-1e6, 1e6};
+  chapter.parameters = {
+      {"--incline", "deg", "of the fixed rail; positive: down to the right", &scene.incline,
+       inclines},
+      {"--mass", "kg", "of the block", &scene.mass, program::positive},
+      {"--gravity", "m/s²", "gravity, downwards; on the fixed rail only", &scene.gravity,
+       program::not_negative},
+      {"--spin", "rad/s", "of a free rail at the start, for example 5; 0: it is fixed", &scene.spin,
+       spins},
+  };
+  chapter.defaults = {.duration = 2.0, .step = 0.002};
+  chapter.constraint_unit = "m or rad";
+
+  chapter.start = [&scene](const measure::Method& method) {
+    return std::make_unique<measure::Motion<program::Mechanism>>(
+        prismatic::make_mechanism(scene, method), method);
+  };
+
+  chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}, {"force", "N"}, {"moment", "N·m"}};
+  chapter.errors = [&scene](const measure::Row& row) { return prismatic::errors(scene, row); };
+
+  using enum integrators::Name;
+  chapter.ladder = {.methods = {{explicit_euler},
+                                {semi_implicit_euler},
+                                {rk4},
+                                {rk4, Stabilization::feedback, 100.0, 20.0},
+                                {rk4, Stabilization::projection}},
+                    .duration = 1.0,
+                    .coarsest = 0.1,
+                    .rungs = 15};
+
+#ifdef TUTORIAL_PICTURES
+  chapter.pictures = [&scene](const program::RunOptions& run) {
+    return prismatic::pictures(scene, run);
+  };
+  chapter.picture_at = [&scene](const program::RunOptions& run, double t) {
+    return prismatic::picture_at(scene, run, t);
+  };
+#endif
+  return program::run_chapter(argc, argv, chapter);
+}

@@ -1,0 +1,336 @@
+#include "pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "draw/canvas.hpp"
+#include "draw/page.hpp"
+#include "turned_off.hpp"
+
+namespace prismatic {
+namespace {
+
+using draw::Canvas;
+using measure::Stabilization;
+using program::Picture;
+using program::RunOptions;
+
+using Motion = measure::Motion<program::Mechanism>;
+
+Motion motion(const Scene& scene, const measure::Method& method = {}) {
+  return {make_mechanism(scene, method), method};
+}
+
+Scene spinning(Scene scene) {
+  if (!scene.spins()) scene.spin = 5.0;
+  return scene;
+}
+
+draw::Point point(const Vector2d& x) { return {x.x(), x.y()}; }
+
+/// The block at one time, and the force of the rail on it.
+struct Instant {
+  double t;
+  Vector2d x;
+  double theta;
+  Vector2d force;
+};
+
+Instant now(Motion& motion) {
+  const measure::Row row = motion.row();
+  const double* block = row.state.data() + row.state.size() - 6;
+  return {row.t, {block[0], block[1]}, block[2], {row.reactions[0], row.reactions[1]}};
+}
+
+/// Moves on to the step nearest to t.
+void advance_to(Motion& motion, double t, double step) {
+  const long steps = std::lround((t - motion.time()) / step);
+  if (steps > 0) motion.advance(steps, step);
+}
+
+void draw_block(Canvas& canvas, const Instant& instant, double presence) {
+  const auto& theme = canvas.theme();
+  canvas.box(point(instant.x), Scene::width, Scene::height, instant.theta,
+             theme.body.faded(presence), theme.body_edge.faded(presence));
+}
+
+/// A rail through `center` that leaves the view on both sides.
+void draw_rail(Canvas& canvas, const Vector2d& center, double theta, double half, double presence,
+               double thickness) {
+  const std::vector<draw::Point> ends{point(center - half * along(theta)),
+                                      point(center + half * along(theta))};
+  canvas.curve(ends, canvas.theme().track.faded(presence), thickness);
+}
+
+/// What encloses the points, with some room around it.
+draw::View view_of(const std::vector<draw::Point>& points, double room) {
+  draw::View view{0.0, 0.0, 0.0, 0.0};
+  for (const draw::Point& p : points)
+    view = {std::min(view.left, p.x), std::min(view.top, p.y), std::max(view.right, p.x),
+            std::max(view.bottom, p.y)};
+  const double margin = room * std::max(view.right - view.left, view.bottom - view.top);
+  return {view.left - margin, view.top - margin, view.right + margin, view.bottom + margin};
+}
+
+double size_of(const draw::View& view) {
+  return std::max(view.right - view.left, view.bottom - view.top);
+}
+
+/// Metres for a newton, so that the largest of some forces is drawn so many metres long.
+double force_scale(double largest, double metres) { return largest > 0.0 ? metres / largest : 0.0; }
+
+Picture scene_picture(Scene scene) {
+  scene.spin = 0.0;
+  Motion start = motion(scene);
+  const Instant instant = now(start);
+  const Vector2d weight(0.0, scene.mass * scene.gravity), sum = weight + instant.force;
+  const double scale = force_scale(weight.norm(), 0.3);
+  const draw::View view{-0.62, -0.37, 0.62, 0.42};
+  const std::string caption = fmt::format(
+      "On {:g}° the rail carries {:.2f} N of the weight of {:.2f} N, m g cos {:g}°; {:.2f} N are "
+      "left to move the block.",
+      scene.incline, instant.force.norm(), weight.norm(), scene.incline, sum.norm());
+  return {
+      "scene", [=](draw::Pen& pen) {
+        Canvas canvas(pen, draw::page(pen, "A block on an inclined rail", caption), view);
+        canvas.axes("m");
+        const auto& theme = canvas.theme();
+        const double beta = scene.angle();
+        draw_rail(canvas, {0.0, 0.0}, beta, 4.0, 1.0, 3.0);
+        const std::vector<draw::Point> level{{-0.5, -0.5 * std::tan(beta)},
+                                             {-0.3, -0.5 * std::tan(beta)}};
+        std::vector<draw::Point> arc;
+        for (int i = 0; i <= 40; ++i)
+          arc.push_back(point(-0.5 / std::cos(beta) * along(beta) + 0.12 * along(beta * i / 40)));
+        if (std::abs(scene.incline) < 60.0) {
+          canvas.curve(level, theme.muted, 1.2, draw::Dash::dashed);
+          canvas.curve(arc, theme.muted, 1.4);
+          canvas.label(arc[20], fmt::format("{:g}°", scene.incline), theme.muted, draw::Font::text,
+                       draw::Align::left, {10.0, 0.0});
+        }
+        draw_block(canvas, instant, 1.0);
+        canvas.arrow({0.0, 0.0}, point(scale * weight), theme.weight,
+                     fmt::format("weight {:.2f} N", weight.norm()));
+        canvas.arrow({0.0, 0.0}, point(scale * instant.force), theme.constraint_force,
+                     fmt::format("reaction {:.2f} N", instant.force.norm()));
+        canvas.arrow({0.0, 0.0}, point(scale * sum), theme.muted);
+        const double aside = beta < 0.0 ? 1.0 : -1.0;  // where the rail leaves room for text
+        canvas.label(point(scale * sum), fmt::format("sum {:.2f} N", sum.norm()), theme.muted,
+                     draw::Font::text, draw::Align::left, {12.0, 10.0 * aside});
+        canvas.bead({0.0, 0.0}, 3.0, theme.ink, theme.ink);
+        canvas.label(point(0.45 * along(beta)), "rail: n·d = 0,  θ = θ0", theme.track,
+                     draw::Font::bold, draw::Align::left, {14.0, 10.0 * aside});
+      }};
+}
+
+/// The block at equal intervals of time on its way down the incline.
+Picture motion_picture(Scene scene, const RunOptions& run) {
+  scene.spin = 0.0;
+  constexpr int count = 6;
+  const double pull = scene.gravity * std::abs(std::sin(scene.angle()));
+  const double wanted = std::min(std::sqrt(2.0 * 2.0 / std::max(pull, 1e-12)), run.duration);
+  const double interval = run.step * std::max(1.0, std::round(wanted / (count - 1) / run.step));
+  Motion block = motion(scene, run.method);
+  std::vector<Instant> instants;
+  for (int i = 0; i < count; ++i) {
+    advance_to(block, i * interval, run.step);
+    instants.push_back(now(block));
+  }
+  const double largest = scene.mass * scene.gravity, length = instants.back().x.norm();
+  const double scale = force_scale(largest, 0.4);
+  std::vector<draw::Point> seen{{-0.4, -0.3}, {0.4, 0.3}};
+  for (const Instant& instant : instants) {
+    seen.push_back(point(instant.x));
+    seen.push_back(point(instant.x + scale * instant.force));
+  }
+  const draw::View view = view_of(seen, 0.06);
+  const std::string caption = fmt::format(
+      "After {:.2f} s the block has come {:.4f} m; ½ g sin {:g}° t² is {:.4f} m ({}, step {:g} s). "
+      "The reaction stays {:.2f} N.",
+      instants.back().t, length, scene.incline, 0.5 * pull * instants.back().t * instants.back().t,
+      run.method.label(), run.step, instants.back().force.norm());
+  return {
+      "motion", [=](draw::Pen& pen) {
+        Canvas canvas(
+            pen,
+            draw::page(pen, fmt::format("{} exposures, {:.2f} s apart", count, interval), caption),
+            view);
+        canvas.axes("m");
+        const auto& theme = canvas.theme();
+        draw_rail(canvas, {0.0, 0.0}, scene.angle(), 3.0 * size_of(view), 1.0, 2.4);
+        for (std::size_t i = 0; i < instants.size(); ++i) {
+          const Instant& instant = instants[i];
+          draw_block(canvas, instant, 0.35 + 0.65 * static_cast<double>(i) / (count - 1));
+          canvas.arrow(point(instant.x), point(scale * instant.force), theme.constraint_force);
+          canvas.label(point(instant.x), fmt::format("{:.2f} s", instant.t), theme.muted,
+                       draw::Font::small, draw::Align::right,
+                       i == 0 ? draw::Point{-36.0, 10.0} : draw::Point{-6.0, 30.0});
+        }
+        canvas.label({0.5 * (view.left + view.right), view.top}, "arrows: reaction of the rail",
+                     theme.constraint_force, draw::Font::bold, draw::Align::center, {0.0, 16.0});
+      }};
+}
+
+/// The turning rail and the block that flies out along it.
+Picture spin_picture(const Scene& given, const RunOptions& run) {
+  const Scene scene = spinning(given);
+  constexpr int count = 9, between = 20;
+  const double interval = 0.09 * 5.0 / std::abs(scene.spin);
+  const double step =
+      interval / (between * std::clamp(std::ceil(interval / between / run.step), 1.0, 50.0));
+  Motion spin = motion(scene, run.method);
+  const double before = angular_momentum(scene, spin.q(), spin.v());
+  std::vector<Instant> instants{now(spin)};
+  std::vector<draw::Point> trail{point(instants[0].x)};
+  for (int i = 1; i < count; ++i) {
+    for (int k = 1; k <= between; ++k) {
+      advance_to(spin, (i - 1 + k / double(between)) * interval, step);
+      trail.push_back(point(now(spin).x));
+    }
+    instants.push_back(now(spin));
+  }
+  const double error = std::abs(angular_momentum(scene, spin.q(), spin.v()) - before);
+  const double reach = instants.back().x.norm();
+  double largest = 0.0;
+  for (const Instant& instant : instants) largest = std::max(largest, instant.force.norm());
+  const double scale = force_scale(largest, 0.3 * reach);
+  std::vector<draw::Point> seen;
+  for (const Instant& instant : instants) {
+    const Vector2d corner = Scene::width * instant.x.normalized();
+    seen.push_back(point(instant.x + corner));
+    seen.push_back(point(instant.x + scale * instant.force));
+  }
+  const draw::View view = view_of(seen, 0.1);
+  const std::string caption = fmt::format(
+      "In {:.2f} s the block comes from {:g} m to {:.2f} m and the rail slows from {:.1f} to "
+      "{:.2f} "
+      "rad/s. Angular momentum {:.4g} kg·m²/s, kept to {} ({}, step {} s).",
+      spin.time(), scene.r0, reach, scene.spin, spin.v()[2], before, program::figure(error),
+      run.method.label(), program::figure(step));
+  return {"spin", [=](draw::Pen& pen) {
+            Canvas canvas(pen,
+                          draw::page(pen, "A rail that turns freely, and the block on it", caption),
+                          view);
+            canvas.axes("m");
+            const auto& theme = canvas.theme();
+            for (std::size_t i = 0; i < instants.size(); ++i)
+              draw_rail(canvas, {0.0, 0.0}, instants[i].theta, 2.0 * size_of(view),
+                        0.15 + 0.75 * static_cast<double>(i) / (count - 1), 1.6);
+            canvas.curve(trail, theme.velocity, 1.8, draw::Dash::dotted);
+            for (std::size_t i = 0; i < instants.size(); ++i) {
+              const Instant& instant = instants[i];
+              draw_block(canvas, instant, 0.35 + 0.65 * static_cast<double>(i) / (count - 1));
+              canvas.arrow(point(instant.x), point(scale * instant.force), theme.constraint_force);
+              if (i > 0)
+                canvas.label(point(instant.x), fmt::format("{:.2f} s", instant.t), theme.muted,
+                             draw::Font::small, draw::Align::left, {14.0, 10.0});
+            }
+            canvas.pin({0.0, 0.0});
+            canvas.label({view.left, view.top}, "arrows: force of the rail on the block",
+                         theme.constraint_force, draw::Font::bold, draw::Align::left, {10.0, 50.0});
+          }};
+}
+
+Picture drift_picture(const Scene& given, const RunOptions& run) {
+  const Scene scene = spinning(given);
+  std::vector<program::Drift> drifts;
+  for (const auto& method : integrators::methods) {
+    Motion spin = motion(scene, {.integrator = method.name});
+    drifts.push_back(program::drift(std::string(method.text), spin, run.duration, run.step));
+  }
+  const std::string caption = fmt::format(
+      "Spinning rail, no stabilization, step {:g} s, {:g} s: explicit Euler takes the block {} m "
+      "off its rail, RK4 {} m.",
+      run.step, run.duration, program::figure(drifts.front().largest_constraint_error),
+      program::figure(drifts.back().largest_constraint_error));
+  return program::drift_picture("drift", "How three methods leave the turning rail", caption,
+                                drifts, "m or rad");
+}
+
+double at_the_end(const program::Drift& drift) {
+  return drift.constraint_error.empty() ? 0.0 : drift.constraint_error.back().y;
+}
+
+Picture stabilization_picture(const Scene& given, const RunOptions& run) {
+  const Scene scene = spinning(given);
+  // Coarse enough that RK4 has something to correct, long enough to see what becomes of it.
+  const double step = 15.0 * run.step, duration = 10.0 * run.duration;
+  std::vector<program::Drift> drifts;
+  for (const measure::Method& method :
+       {measure::Method{},
+        measure::Method{integrators::Name::rk4, Stabilization::feedback, 100.0, 20.0},
+        measure::Method{integrators::Name::rk4, Stabilization::projection}}) {
+    Motion spin = motion(scene, method);
+    drifts.push_back(program::drift(method.label(), spin, duration, step));
+  }
+  const std::string caption = fmt::format(
+      "RK4 with a coarse step of {:g} s: after {:g} s the block is off by {} m alone, by {} m with "
+      "feedback (ks = 100, kd = 20), by {} m with projection.",
+      step, duration, program::figure(at_the_end(drifts[0])),
+      program::figure(at_the_end(drifts[1])), program::figure(at_the_end(drifts[2])));
+  return program::drift_picture("stabilization", "Holding the block on its rail", caption, drifts,
+                                "m or rad");
+}
+
+Picture turned_off_picture(const Scene& given, const RunOptions& run) {
+  const Scene scene = spinning(given);
+  Motion without(make_spin<WithoutCoriolis>(scene), {}), with = motion(scene);
+  const double duration = 0.5 * run.duration;
+  const std::vector<program::Drift> drifts{
+      program::drift("without 2 ω1 (S n)·(dd/dt)", without, duration, run.step),
+      program::drift("with 2 ω1 (S n)·(dd/dt)", with, duration, run.step)};
+  const std::string caption = fmt::format(
+      "In {:g} s the block leaves the rail by {} m without the Coriolis term, by {} m with it "
+      "(rk4, "
+      "step {:g} s).",
+      duration, program::figure(drifts[0].largest_constraint_error),
+      program::figure(drifts[1].largest_constraint_error), run.step);
+  return program::drift_picture("turned_off", "The Coriolis term, left out", caption, drifts,
+                                "m or rad");
+}
+
+}  // namespace
+
+std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
+  return {
+      scene_picture(scene),      motion_picture(scene, run),        spin_picture(scene, run),
+      drift_picture(scene, run), stabilization_picture(scene, run), turned_off_picture(scene, run)};
+}
+
+Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
+  Motion block = motion(scene, run.method);
+  std::vector<draw::Point> trail{point(now(block).x)};
+  constexpr int pieces = 400;
+  for (int i = 1; i <= pieces; ++i) {
+    advance_to(block, t * i / pieces, run.step);
+    trail.push_back(point(now(block).x));
+  }
+  const Instant instant = now(block);
+  const draw::View view = [&] {
+    std::vector<draw::Point> seen = trail;
+    seen.push_back({-0.5, -0.5});
+    seen.push_back({0.5, 0.5});
+    return view_of(seen, 0.12);
+  }();
+  const double scale = force_scale(instant.force.norm(), 0.2 * size_of(view));
+  const std::string caption =
+      fmt::format("t = {:.3f} s: block at ({:.3f}, {:.3f}) m, |C| = {} ({}, step {:g} s).",
+                  instant.t, instant.x.x(), instant.x.y(),
+                  program::figure(block.measures().constraint_error), run.method.label(), run.step);
+  const bool spins = scene.spins();
+  return {fmt::format("at_{:g}s", t), [=](draw::Pen& pen) {
+            Canvas canvas(pen, draw::page(pen, "A block on a rail", caption), view);
+            canvas.axes("m");
+            draw_rail(canvas, {0.0, 0.0}, instant.theta, 3.0 * size_of(view), 1.0, 2.4);
+            canvas.curve(trail, canvas.theme().velocity, 1.6, draw::Dash::dotted);
+            draw_block(canvas, instant, 1.0);
+            canvas.arrow(point(instant.x), point(scale * instant.force),
+                         canvas.theme().constraint_force,
+                         fmt::format("reaction {:.2f} N", instant.force.norm()));
+            if (spins) canvas.pin({0.0, 0.0});
+          }};
+}
+
+}  // namespace prismatic

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include "joints/prismatic.hpp"
+#include "joints/revolute.hpp"
+#include "program/mechanism.hpp"
+
+namespace prismatic {
+
+using Eigen::Vector2d;
+
+/// A block on a rail. Without spin the rail is fixed in the world and inclined; the block starts at
+/// rest at (0, 0). With spin the rail is a body, pinned to the world at its centre (0, 0) and free
+/// to turn, and nothing weighs anything; the block starts on it at (0.3 m, 0).
+struct Scene {
+  double incline = 30.0;  ///< of the fixed rail; positive: it descends to the right [°]
+  double mass = 1.0;      ///< of the block [kg]
+  double gravity = 9.81;  ///< along +y; on the fixed rail only [m/s²]
+  double spin = 0.0;      ///< of the rail at the start; 0: it is fixed [rad/s]
+
+  static constexpr double width = 0.2, height = 0.1;            ///< of the block [m]
+  static constexpr double rail_mass = 1.0, rail_inertia = 1.0;  ///< [kg], [kg·m²]
+  static constexpr double r0 = 0.3;  ///< of the block on the spinning rail, at the start [m]
+
+  bool spins() const { return spin != 0.0; }
+  double angle() const { return incline * std::numbers::pi / 180.0; }                 ///< [rad]
+  double inertia() const { return mass * (width * width + height * height) / 12.0; }  ///< [kg·m²]
+};
+
+/// Along the rail at angle θ, and across it.
+inline Vector2d along(double theta) { return {std::cos(theta), std::sin(theta)}; }
+inline Vector2d across(double theta) { return {-std::sin(theta), std::cos(theta)}; }
+
+// [incline]
+/// The rail is a line of the world, and the world has no coordinates: one body, two rows.
+inline program::Mechanism make_incline(const Scene& scene, const measure::Method& method = {}) {
+  program::Mechanism mechanism(method);
+  dynamics::System& system = mechanism.system;
+  system.set_gravity({0.0, scene.gravity});
+  const auto block =
+      system.add_body("block", scene.mass, scene.inertia(), {0.0, 0.0}, scene.angle());
+  const joints::Prismatic rail{.n_hat = across(scene.angle()), .theta0 = scene.angle()};
+  mechanism.report("block_rail", system.add("block_rail", rail, system.world, block), block);
+  mechanism.assemble();
+  return mechanism;
+}
+// [incline]
+
+// [spin]
+/// The rail is a body: two bodies, a pin and a rail, four rows. Rail and block turn together.
+template <class Joint = joints::Prismatic>
+program::Mechanism make_spin(const Scene& scene, const measure::Method& method = {}) {
+  program::Mechanism mechanism(method);
+  dynamics::System& system = mechanism.system;
+  const double r0 = scene.r0, spin = scene.spin;
+  const auto rail = system.add_body("rail", scene.rail_mass, scene.rail_inertia, {0.0, 0.0}, 0.0,
+                                    {0.0, 0.0}, spin);
+  const auto block =
+      system.add_body("block", scene.mass, scene.inertia(), {r0, 0.0}, 0.0, {0.0, spin * r0}, spin);
+  const auto pin = system.add("rail_world", joints::Revolute{}, rail, system.world);
+  const auto slide = system.add("block_rail", Joint{}, rail, block);
+  mechanism.report("block_rail", slide, block);
+  mechanism.report("rail_world", pin, rail);
+  mechanism.assemble();
+  return mechanism;
+}
+// [spin]
+
+/// The angular momentum [kg·m²/s] of the spinning scene about the pin.
+inline double angular_momentum(const Scene& scene, const Eigen::VectorXd& q,
+                               const Eigen::VectorXd& v) {
+  return scene.rail_inertia * v[2] + scene.inertia() * v[5] +
+         scene.mass * (q[3] * v[4] - q[4] * v[3]);
+}
+
+inline program::Mechanism make_mechanism(const Scene& scene, const measure::Method& method = {}) {
+  return scene.spins() ? make_spin(scene, method) : make_incline(scene, method);
+}
+
+}  // namespace prismatic

@@ -1,0 +1,344 @@
+#include <array>
+#include <boost/numeric/odeint.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "allocations.hpp"
+#include "catch.hpp"
+#include "exact.hpp"
+#include "measure/ladder.hpp"
+#include "scene.hpp"
+#include "turned_off.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "picture_check.hpp"
+#include "pictures.hpp"
+#endif
+
+using dynamics::Body;
+using measure::Method;
+using measure::Stabilization;
+using prismatic::across;
+using prismatic::along;
+using prismatic::angular_momentum;
+using prismatic::make_mechanism;
+using prismatic::Scene;
+using prismatic::SpinMotion;
+using program::Mechanism;
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+namespace {
+
+using Motion = measure::Motion<Mechanism>;
+
+Motion motion(const Scene& scene, const Method& method = {}) {
+  return {make_mechanism(scene, method), method};
+}
+
+// The second derivation of the spinning rail: forces instead of what is conserved. Along the rail
+// nothing acts, r̈ = r θ̇²; across it the block takes m (r θ̈ + 2 ṙ θ̇), whose moment r slows the rail:
+// (I0 + m r²) θ̈ = −2 m r ṙ θ̇. Integrated with order 8 in long double.
+struct Polar {
+  long double r, rdot, theta, omega;
+};
+
+Polar integrated(const Scene& scene, double t) {
+  namespace odeint = boost::numeric::odeint;
+  using State = std::array<long double, 4>;
+  const long double m = scene.mass, I0 = scene.rail_inertia + scene.inertia();
+  State y{scene.r0, 0.0L, 0.0L, scene.spin};
+  const auto rates = [&](const State& s, State& rate, long double) {
+    const auto& [r, rdot, theta, omega] = s;
+    rate = {rdot, r * omega * omega, omega, -2 * m * r * rdot * omega / (I0 + m * r * r)};
+  };
+  using Stepper = odeint::runge_kutta_fehlberg78<State, long double, State, long double>;
+  odeint::integrate_adaptive(odeint::make_controlled<Stepper>(1e-17L, 1e-17L), rates, y, 0.0L,
+                             static_cast<long double>(t), 1e-4L);
+  return {y[0], y[1], y[2], y[3]};
+}
+
+}  // namespace
+
+TEST_CASE("the exact spin is what the forces give, for light and heavy blocks, either way round") {
+  for (const double mass : {0.01, 1.0, 50.0})
+    for (const double spin : {5.0, -0.7, 40.0})
+      for (const double t : {0.01, 0.4, 1.0, 7.0}) {
+        const Scene scene{.mass = mass, .spin = spin};
+        const auto truth = integrated(scene, t);
+        const auto exact = SpinMotion(scene).at(t);
+        INFO("mass " << mass << ", spin " << spin << ", t " << t);
+        const double r = double(truth.r);
+        CHECK(exact.x.norm() == Approx(r).epsilon(1e-14));
+        CHECK(exact.theta == Approx(double(truth.theta)).epsilon(1e-14));
+        CHECK(exact.omega == Approx(double(truth.omega)).epsilon(1e-13));
+        const Vector2d e = along(exact.theta), n = across(exact.theta);
+        CHECK(exact.v.dot(e) == Approx(double(truth.rdot)).epsilon(1e-13));
+        CHECK(exact.v.dot(n) == Approx(double(truth.r * truth.omega)).epsilon(1e-13));
+        // The reaction: Newton and Euler for the block.
+        const double I0 = scene.rail_inertia + scene.inertia();
+        const double alpha = double(-2 * mass * truth.r * truth.rdot * truth.omega /
+                                    (I0 + mass * truth.r * truth.r));
+        const double force = mass * double(truth.r * alpha + 2 * truth.rdot * truth.omega);
+        // Far out the two terms of the force cancel, here but not in exact.hpp.
+        const double size = 2 * mass * double(truth.rdot * std::abs(truth.omega));
+        CHECK(exact.force.dot(n) == Approx(force).epsilon(0.0).margin(1e-13 * size));
+        CHECK(exact.force.dot(e) == Approx(0.0).margin(1e-13 * size));
+        CHECK(exact.moment == Approx(scene.inertia() * alpha).epsilon(1e-12));
+      }
+}
+
+TEST_CASE("limits of the exact spin") {
+  const Scene scene{.spin = 5.0};
+  const auto start = SpinMotion(scene).at(0.0);
+  CHECK((start.x - Vector2d(0.3, 0.0)).norm() < 1e-16);
+  CHECK((start.v - Vector2d(0.0, 1.5)).norm() < 1e-15);
+  CHECK(start.force.norm() == 0.0);
+  // Far out the rail is almost at rest and all the energy has become speed along it: L²/I(r0) = m
+  // ṙ².
+  const double I = scene.rail_inertia + scene.inertia() + 0.09;
+  const auto late = SpinMotion(scene).at(1e4);
+  CHECK(late.v.norm() == Approx(5.0 * std::sqrt(I)).epsilon(1e-6));
+  CHECK(late.omega * (late.x.squaredNorm() + I - 0.09) == Approx(5.0 * I).epsilon(1e-12));
+}
+
+TEST_CASE("on the incline every method with the right velocity is exact, and RK4 is") {
+  for (const double incline : {30.0, -50.0, 0.0, 90.0}) {
+    const Scene scene{.incline = incline, .mass = 2.5};
+    Motion block = motion(scene);
+    block.advance(20, 0.1);
+    for (const double error : prismatic::errors(scene, block.row())) CHECK(error < 1e-12);
+    const double beta = incline * std::numbers::pi / 180.0;
+    const double s = 0.5 * 9.81 * std::sin(beta) * 4.0;
+    CHECK((block.q().head<2>() - Vector2d(s * std::cos(beta), s * std::sin(beta))).norm() < 1e-12);
+    // The reaction pushes the block off the rail, upwards, and turns nothing.
+    const measure::Row row = block.row();
+    const double N = 2.5 * 9.81 * std::cos(beta);
+    CHECK(row.reactions[0] == Approx(N * std::sin(beta)).epsilon(0.0).margin(1e-12));
+    CHECK(row.reactions[1] == Approx(-N * std::cos(beta)).epsilon(0.0).margin(1e-12));
+    CHECK(row.reactions[2] == Approx(0.0).margin(1e-13));
+    CHECK(row.measures.constraint_error < 1e-13);
+  }
+  // Semi-implicit Euler is off by g sin β t h/2, explicit Euler by the same the other way.
+  for (const auto& [name, sign] : {std::pair{integrators::Name::semi_implicit_euler, 1.0},
+                                   std::pair{integrators::Name::explicit_euler, -1.0}}) {
+    Motion block = motion({}, {.integrator = name});
+    block.advance(100, 0.01);
+    const double s = block.q().head<2>().norm();
+    CHECK(s - 0.5 * 9.81 * 0.5 == Approx(sign * 9.81 * 0.5 * 0.01 / 2).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("position, velocity, force and moment converge with the order of the integrator") {
+  for (const Scene& scene : {Scene{.spin = 5.0}, Scene{.mass = 3.0, .spin = -2.0}}) {
+    const auto rungs = measure::climb(
+        {.methods = {{integrators::Name::explicit_euler},
+                     {integrators::Name::semi_implicit_euler},
+                     {integrators::Name::rk4},
+                     {integrators::Name::rk4, Stabilization::projection}},
+         .duration = 0.5,
+         .coarsest = 1.0 / 64,
+         .rungs = 9},
+        [&](const Method& method) { return std::make_unique<Motion>(motion(scene, method)); },
+        [&](const measure::Row& row) { return prismatic::errors(scene, row); },
+        [](double, const std::string&) {});
+    const measure::Rung* coarse = nullptr;
+    int compared = 0;
+    for (const auto& rung : rungs) {
+      REQUIRE(rung.errors.size() == 4);
+      if (coarse != nullptr && coarse->method == rung.method)
+        for (std::size_t k = 0; k < 4; ++k) {
+          const double rounding = k == 3 ? 1e-13 : 1e-11;
+          if (rung.errors[k] < rounding || rung.step > (rung.order == 1 ? 1e-3 : 1e-2)) continue;
+          INFO(rung.method << ", step " << rung.step << ", quantity " << k << ", spin "
+                           << scene.spin);
+          CHECK(measure::observed_order(*coarse, rung, k) == Approx(rung.order).margin(0.15));
+          ++compared;
+        }
+      coarse = &rung;
+    }
+    CHECK(compared > 40);
+  }
+}
+
+TEST_CASE("energy and angular momentum are kept") {
+  const Scene scene{.spin = 5.0};
+  Motion spin = motion(scene, {integrators::Name::rk4, Stabilization::projection});
+  const double I = scene.rail_inertia + 0.05 / 12.0 + 0.09;
+  CHECK(angular_momentum(scene, spin.q(), spin.v()) == Approx(5.0 * I).epsilon(1e-15));
+  CHECK(spin.measures().energy == Approx(0.5 * 25.0 * I).epsilon(1e-15));
+  spin.advance(2000, 1e-3);
+  CHECK(angular_momentum(scene, spin.q(), spin.v()) == Approx(5.0 * I).epsilon(1e-11));
+  CHECK(spin.measures().energy == Approx(0.5 * 25.0 * I).epsilon(1e-11));
+  Motion block = motion({.incline = 40.0, .mass = 2.0});
+  block.advance(100, 0.01);
+  CHECK(block.measures().energy == Approx(0.0).margin(1e-12));
+}
+
+TEST_CASE("rail and pin push against each other: the sum on the rail is nothing") {
+  Motion spin = motion({.spin = 5.0});
+  spin.advance(300, 1e-3);
+  const measure::Row row = spin.row();
+  const Vector2d block(row.reactions[0], row.reactions[1]), pin(row.reactions[3], row.reactions[4]);
+  CHECK((pin - block).norm() < 1e-12 * block.norm());
+  CHECK(row.reactions[5] == Approx(0.0).margin(1e-13));
+  // The block slows the rail by its force at r and by the moment that turns the block itself.
+  VectorXd a(6);
+  spin.model().acceleration(0.0, spin.q(), spin.v(), a);
+  const Vector2d r = spin.q().segment<2>(3);
+  const double moment = -(r.x() * block.y() - r.y() * block.x()) - row.reactions[2];
+  CHECK(moment == Approx(Scene::rail_inertia * a[2]).epsilon(1e-12));
+  CHECK(a[2] < 0.0);
+}
+
+TEST_CASE("rows and columns by hand count, names as the table has them") {
+  Motion block = motion({});
+  block.advance(1, 1e-3);
+  const auto incline = block.model().system.counts();
+  CHECK((incline.coordinates == 3 && incline.rows == 2 && incline.rank == 2 &&
+         incline.degrees_of_freedom == 1));
+  CHECK(block.columns().state.front() == "block.x");
+  CHECK(block.columns().reactions ==
+        std::vector<std::string>{"block_rail.fx", "block_rail.fy", "block_rail.moment"});
+  Motion spin = motion({.spin = 5.0});
+  spin.advance(1, 1e-3);
+  const auto turning = spin.model().system.counts();
+  CHECK((turning.coordinates == 6 && turning.rows == 4 && turning.rank == 4 &&
+         turning.degrees_of_freedom == 2));
+  CHECK(spin.columns().state.front() == "rail.x");
+  CHECK(spin.columns().reactions[3] == "rail_world.fx");
+}
+
+TEST_CASE("a second rail beside the first: the motion stays right, the dependent rows are named") {
+  const Scene scene{.incline = 25.0};
+  const auto build = [&](bool second_rail) {
+    Mechanism mechanism({});
+    dynamics::System& system = mechanism.system;
+    system.set_gravity({0.0, scene.gravity});
+    const double beta = scene.angle();
+    const auto block = system.add_body("block", 1.0, scene.inertia(), {0.0, 0.0}, beta);
+    const joints::Prismatic rail{.n_hat = across(beta), .theta0 = beta};
+    joints::Prismatic beside = rail;
+    beside.u1 = 0.05 * across(beta);  // a rail along the lower side of the block
+    beside.u2 = {0.0, 0.05};
+    const auto first = system.add("block_rail", rail, system.world, block);
+    if (second_rail) system.add("second_rail", beside, system.world, block);
+    mechanism.report("block_rail", first, block);
+    mechanism.assemble();
+    return Motion(std::move(mechanism), {});
+  };
+  Motion one = build(false), two = build(true);
+  one.advance(100, 0.01);
+  two.advance(100, 0.01);
+  CHECK((one.q() - two.q()).norm() < 1e-12);
+  CHECK((two.q().head<2>() - prismatic::exact_incline(scene, 1.0).x).norm() < 1e-12);
+  REQUIRE(two.model().system.counts().rank == 2);
+  const auto dependent = two.model().system.dependent_rows();
+  REQUIRE(dependent.size() == 2);
+  for (const auto& row : dependent) CHECK(row.joint == "second_rail");
+}
+
+TEST_CASE("a step allocates nothing") {
+  for (const double spin : {0.0, 5.0})
+    for (const auto stabilization :
+         {Stabilization::none, Stabilization::feedback, Stabilization::projection}) {
+      Motion block = motion({.spin = spin}, {integrators::Name::rk4, stabilization, 100.0, 20.0});
+      block.advance(1, 1e-3);
+      const long before = allocations();
+      block.advance(100, 1e-3);
+      CHECK(allocations() == before);
+    }
+}
+
+TEST_CASE("projection keeps the block on the turning rail to rounding") {
+  Motion spin = motion({.spin = 5.0}, {integrators::Name::rk4, Stabilization::projection});
+  spin.advance(100, 0.01);
+  CHECK(spin.measures().constraint_error < 1e-14);
+  CHECK(spin.measures().velocity_error < 1e-13);
+}
+
+TEST_CASE("without the Coriolis part the rail gives way by C̈ = 2 ω1 (S n)·ḋ") {
+  const Scene scene{.spin = 5.0};
+  const auto truth = SpinMotion(scene).at(0.3);
+  VectorXd q(6), v(6), a(6);
+  q << 0.0, 0.0, truth.theta, truth.x, truth.theta;
+  v << 0.0, 0.0, truth.omega, truth.v, truth.omega;
+  const Vector2d n = across(truth.theta);
+  // C = n·x2 with n turning: C̈ = n·a2 − 2 ω e·v2 − α e·x2 − ω² n·x2, since dn/dt = −ω e.
+  const auto Cddot = [&](Mechanism mechanism) {
+    mechanism.acceleration(0.0, q, v, a);
+    const Vector2d e = along(truth.theta);
+    return n.dot(a.segment<2>(3)) - 2 * truth.omega * e.dot(truth.v) - a[2] * e.dot(truth.x) -
+           truth.omega * truth.omega * n.dot(truth.x);
+  };
+  CHECK(Cddot(prismatic::make_spin(scene)) == Approx(0.0).margin(1e-12));
+  const double rdot = truth.v.dot(along(truth.theta));
+  CHECK(Cddot(prismatic::make_spin<prismatic::WithoutCoriolis>(scene)) ==
+        Approx(-2 * truth.omega * rdot).epsilon(1e-12));
+}
+
+TEST_CASE("solution 1: pushed at its lower edge the block feels a moment, and slides as before") {
+  // A force along the rail at the lower edge, 0.05 m across from the centre of mass.
+  const Scene scene;
+  const double push = 3.0, beta = scene.angle();
+  Mechanism block = make_mechanism(scene);
+  const Vector2d force = push * along(beta), arm = 0.05 * across(beta);
+  block.system.apply(dynamics::Handle<Body>{0, 0},
+                     Vector3d(force.x(), force.y(), arm.x() * force.y() - arm.y() * force.x()));
+  measure::Row row;
+  block.observe(0.0, block.initial_position(), block.initial_velocity(), row);
+  CHECK(row.reactions[2] == Approx(push * 0.05).epsilon(1e-13));
+  VectorXd a(3);
+  block.acceleration(0.0, block.initial_position(), block.initial_velocity(), a);
+  CHECK(a.head<2>().dot(along(beta)) == Approx(9.81 * 0.5 + push).epsilon(1e-13));
+  CHECK(a[2] == Approx(0.0).margin(1e-12));
+}
+
+TEST_CASE("solution 2: held at r0 the block needs a force of m ω² r0 inwards, and ω stays") {
+  const Scene scene{.mass = 2.0, .spin = 5.0};
+  Mechanism spin = make_mechanism(scene);
+  spin.system.apply(dynamics::Handle<Body>{1, 3}, [&](double, const Body& block) {
+    const Vector2d pull = -scene.mass * block.omega * block.omega * block.x;
+    return Vector3d(pull.x(), pull.y(), 0.0);
+  });
+  Motion held(std::move(spin), {integrators::Name::rk4, Stabilization::projection});
+  held.advance(1000, 1e-3);
+  CHECK(held.q().segment<2>(3).norm() == Approx(0.3).epsilon(1e-10));
+  CHECK(held.v()[2] == Approx(5.0).epsilon(1e-10));
+  CHECK(held.row().reactions[0] == Approx(0.0).margin(1e-8));  // the rail has nothing to push
+}
+
+#ifdef TUTORIAL_PICTURES
+
+namespace {
+const program::RunOptions defaults{.duration = 2.0, .step = 0.002};
+}
+
+TEST_CASE("the pictures of the lesson are those that the program draws") {
+  picture_check::compare_all("06_prismatic", prismatic::pictures({}, defaults));
+}
+
+TEST_CASE("the comparison of pictures sees a block that has moved") {
+  const auto render = [](double t) {
+    return draw::render({}, prismatic::picture_at({}, defaults, t).draw);
+  };
+  CHECK(picture_check::alike(draw::difference(render(0.4), render(0.4))));
+  CHECK_FALSE(picture_check::alike(draw::difference(render(0.4), render(0.42))));
+}
+
+TEST_CASE("pictures can be drawn of every scene the options allow") {
+  for (const Scene& scene :
+       {Scene{.incline = 90.0}, Scene{.incline = -90.0}, Scene{.incline = 0.0}, Scene{.mass = 1e12},
+        Scene{.gravity = 0.0}, Scene{.spin = -1e-3}, Scene{.spin = 1e3}}) {
+    INFO(scene.incline << " " << scene.mass << " " << scene.spin);
+    const program::RunOptions run{.duration = 0.01, .step = 1e-4};
+    for (const auto& picture : prismatic::pictures(scene, run))
+      CHECK_NOTHROW(draw::render({.scale = 0.5}, picture.draw));
+    CHECK_NOTHROW(
+        draw::render({.width = 480, .height = 300}, prismatic::picture_at(scene, run, 0.005).draw));
+  }
+}
+
+#endif

@@ -1,0 +1,76 @@
+// Chapter 7: the slider-crank. One ground, three revolute joints, one prismatic joint, and a torque
+// that can be switched off. The scene is put together in scene.hpp from the parts of chapters 4, 5
+// and 6.
+
+#include "exact.hpp"
+#include "program/chapter.hpp"
+#include "scene.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "pictures.hpp"
+#endif
+
+int main(int argc, char** argv) {
+  using measure::Stabilization;
+  slider_crank::Scene scene;
+  program::Chapter chapter;
+  chapter.directory = "07_slider_crank";
+  chapter.title = "Slider-crank";
+
+  const program::Range angle{-1e6, 1e6};
+  chapter.parameters = {
+      {"--crank", "m", "from the wheel's centre to the crank pin", &scene.crank, program::positive},
+      {"--rod", "m", "length of the rod, at least the crank", &scene.rod, program::positive},
+      {"--torque", "N·m", "on the wheel, from outside; 0 switches it off", &scene.torque,
+       program::any},
+      {"--theta0", "rad", "angle of the crank at the start", &scene.theta0, angle},
+      {"--omega0", "rad/s", "its rate at the start", &scene.omega0, program::any},
+      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative},
+      {"--wheel-mass", "kg", "mass of the wheel", &scene.wheel_mass, program::positive},
+      {"--rod-mass", "kg", "mass of the rod", &scene.rod_mass, program::positive},
+      {"--slider-mass", "kg", "mass of the slider", &scene.slider_mass, program::positive},
+      {"--simulate-frame",
+       "",
+       "1: the frame is a body held by a ground joint; 0: left out",
+       &scene.simulate_frame,
+       {0.0, 1.0},
+       true},
+  };
+  chapter.defaults = {.duration = 2.0, .step = 0.001};
+
+  chapter.start = [&scene](const measure::Method& method) {
+    if (scene.rod < scene.crank)
+      throw program::UsageError(
+          fmt::format("--rod {:g}: allowed is the crank, {:g} m, or more: a shorter rod does not "
+                      "let the wheel turn",
+                      scene.rod, scene.crank));
+    return std::make_unique<measure::Motion<program::Mechanism>>(
+        slider_crank::make_mechanism(scene, method), method);
+  };
+
+  chapter.quantities = {
+      {"wheel angle", "rad"}, {"angular velocity", "rad/s"}, {"joint forces", "N"}};
+  chapter.errors = [&scene](const measure::Row& row) {
+    return slider_crank::errors(scene, slider_crank::make_mechanism(scene, {}).columns(), row);
+  };
+
+  using enum integrators::Name;
+  chapter.ladder = {.methods = {{explicit_euler},
+                                {semi_implicit_euler},
+                                {rk4},
+                                {rk4, Stabilization::feedback, 625.0, 50.0},
+                                {rk4, Stabilization::projection}},
+                    .duration = 2.0,
+                    .coarsest = 0.02,
+                    .rungs = 14};
+
+#ifdef TUTORIAL_PICTURES
+  chapter.pictures = [&scene](const program::RunOptions& run) {
+    return slider_crank::pictures(scene, run);
+  };
+  chapter.picture_at = [&scene](const program::RunOptions& run, double t) {
+    return slider_crank::picture_at(scene, run, t);
+  };
+#endif
+  return program::run_chapter(argc, argv, chapter);
+}

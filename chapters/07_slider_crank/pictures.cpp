@@ -1,0 +1,383 @@
+#include "pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "draw/canvas.hpp"
+#include "draw/page.hpp"
+#include "turned_off.hpp"
+
+namespace slider_crank {
+namespace {
+
+using draw::Canvas;
+using draw::Point;
+using Eigen::Vector2d;
+using measure::Stabilization;
+using program::Picture;
+using program::RunOptions;
+
+using Motion = measure::Motion<program::Mechanism>;
+constexpr double turn = 2.0 * std::numbers::pi;
+
+Motion motion(const Scene& scene, const measure::Method& method) {
+  return {make_mechanism(scene, method), method};
+}
+
+/// The forces on the bodies that the joints are named after, each at the place where it acts.
+struct Forces {
+  Vector2d wheel_frame, rod_wheel, slider_rod, slider_frame;
+};
+
+struct Instant {
+  double t, theta;
+  Vector2d pin, slider;  ///< crank pin, slider's centre
+  Forces forces;
+  double energy, work;
+};
+
+Instant now(const Scene& scene, Motion& motion, const Bodies& bodies) {
+  const measure::Row row = motion.row();
+  const Eigen::VectorXd& q = motion.q();
+  const double theta = q[bodies.wheel.column + 2];
+  const auto force = [&](std::size_t i) {
+    return Vector2d(row.reactions[3 * i], row.reactions[3 * i + 1]);
+  };
+  // Reported in this order: frame_ground, wheel_frame, rod_wheel, slider_rod, slider_frame.
+  return {
+      row.t,
+      theta,
+      q.segment<2>(bodies.wheel.column) + scene.crank * Vector2d(std::cos(theta), std::sin(theta)),
+      q.segment<2>(bodies.slider.column),
+      {force(1), force(2), force(3), force(4)},
+      row.measures.energy,
+      row.measures.work};
+}
+
+/// One revolution, or the run where it ends before: an instant each step.
+std::vector<Instant> revolution(const Scene& scene, const RunOptions& run) {
+  Bodies bodies;
+  program::Mechanism mechanism = make_mechanism(scene, run.method, &bodies);
+  Motion crank(std::move(mechanism), run.method);
+  std::vector<Instant> instants{now(scene, crank, bodies)};
+  const long steps = run.whole_steps(), stride = std::max(1L, steps / 20000);
+  for (long done = 0; done < steps && std::abs(instants.back().theta - scene.theta0) < turn;
+       done += stride) {
+    crank.advance(stride, run.step);
+    instants.push_back(now(scene, crank, bodies));
+  }
+  return instants;
+}
+
+draw::View view(const Scene& scene) {
+  const double wheel = std::max(Scene::wheel_radius, 1.05 * scene.crank);
+  return {-1.2 * wheel, -1.35 * wheel, scene.crank + scene.rod + 0.6 * Scene::slider_width,
+          1.35 * wheel};
+}
+
+Point point(const Vector2d& x) { return {x.x(), x.y()}; }
+
+void draw_frame(Canvas& canvas, const Scene& scene) {
+  const double from = scene.rod - scene.crank - 0.5 * Scene::slider_width - 0.05;
+  const double to = scene.rod + scene.crank + 0.5 * Scene::slider_width + 0.05;
+  const double floor = 0.5 * Scene::slider_height;
+  const std::vector<Point> rail{{from, floor}, {to, floor}};
+  canvas.ground({0.5 * (from + to), floor}, 0.0, (to - from) * canvas.points_per_metre());
+  canvas.curve(rail, canvas.theme().track, 2.4);
+  const std::vector<Point> line{{0.0, 0.0}, {to, 0.0}};
+  canvas.curve(line, canvas.theme().muted, 1.0, draw::Dash::dotted);
+}
+
+/// The moving bodies; `muted` leaves the colours to the arrows that come on top.
+void draw_bodies(Canvas& canvas, const Instant& at, double presence, bool muted) {
+  const auto& theme = canvas.theme();
+  const draw::Color edge = theme.body_edge.faded(presence);
+  const draw::Color crank = muted ? theme.grid : theme.series[1].faded(presence);
+  const draw::Color rod = muted ? theme.grid : theme.series[0].faded(presence);
+  canvas.box(point(at.slider), Scene::slider_width, Scene::slider_height, 0.0,
+             muted ? draw::transparent : theme.body.faded(presence < 1.0 ? 0.0 : 0.6), edge);
+  canvas.link({0.0, 0.0}, point(at.pin), 9.0, crank, edge);
+  canvas.link(point(at.pin), point(at.slider), 9.0, rod, edge);
+}
+
+void draw_mechanism(Canvas& canvas, const Scene& scene, const Instant& at, bool muted = false) {
+  draw_frame(canvas, scene);
+  canvas.disc({0.0, 0.0}, Scene::wheel_radius, canvas.theme().body.faded(0.35),
+              canvas.theme().body_edge);
+  draw_bodies(canvas, at, 1.0, muted);
+  canvas.ground({0.0, 0.0});
+  canvas.pin({0.0, 0.0});
+  canvas.pin(point(at.pin));
+  canvas.pin(point(at.slider));
+}
+
+/// Arrows of the four joint reactions, `metres` long where the force is `newtons`.
+void draw_forces(Canvas& canvas, const Instant& at, double newtons, double metres) {
+  const auto arrow = [&](const Vector2d& where, const Vector2d& force, std::size_t color,
+                         const char* name) {
+    canvas.arrow(point(where), point(metres / newtons * force), canvas.theme().series[color],
+                 fmt::format("{} {:.1f} N", name, force.norm()));
+  };
+  arrow(Vector2d::Zero(), at.forces.wheel_frame, 2, "wheel_frame");
+  arrow(at.pin, at.forces.rod_wheel, 1, "rod_wheel");
+  arrow(at.slider, at.forces.slider_rod, 0, "slider_rod");
+  arrow(at.slider, at.forces.slider_frame, 3, "slider_frame");
+}
+
+double largest(const Forces& forces) {
+  return std::max({forces.wheel_frame.norm(), forces.rod_wheel.norm(), forces.slider_rod.norm(),
+                   forces.slider_frame.norm()});
+}
+
+Picture scene_picture(const Scene& scene, const RunOptions& run) {
+  const Instant start = revolution(scene, {.duration = run.step, .step = run.step}).front();
+  Motion crank = motion(scene, {});
+  Eigen::VectorXd a = crank.q();
+  crank.model().acceleration(0.0, crank.q(), crank.v(), a);
+  const dynamics::Counts counts = crank.model().system.counts();
+  const std::string caption = fmt::format(
+      "{} rows on {} coordinates leave {} degree of freedom; with the frame as a body 11 rows on "
+      "12.",
+      counts.rows, counts.coordinates, counts.degrees_of_freedom);
+  return {
+      "scene", [=](draw::Pen& pen) {
+        Canvas canvas(pen, draw::page(pen, "Slider-crank: four bodies, five joints", caption),
+                      view(scene));
+        canvas.axes("m");
+        draw_mechanism(canvas, scene, start);
+        const auto& theme = canvas.theme();
+        const auto name = [&](const Vector2d& at, const char* text, Point offset, draw::Align align,
+                              draw::Color color) {
+          canvas.label(point(at), text, color, draw::Font::bold, align, offset);
+        };
+        name({-0.2, -0.2}, "wheel", {0, 0}, draw::Align::center, theme.ink);
+        name(0.65 * start.pin + 0.35 * start.slider, "rod", {0, 20}, draw::Align::left, theme.ink);
+        name(start.slider, "slider",
+             {0, -Scene::slider_height * 0.5 * canvas.points_per_metre() - 14}, draw::Align::center,
+             theme.ink);
+        name({scene.rod + scene.crank + 0.5 * Scene::slider_width, 0.5 * Scene::slider_height},
+             "frame", {0, -14}, draw::Align::center, theme.ink);
+        name({0, 0}, "wheel_frame: revolute", {0, -20}, draw::Align::center,
+             theme.constraint_force);
+        name(start.pin, "rod_wheel: revolute", {10, 22}, draw::Align::left, theme.constraint_force);
+        name(start.slider, "slider_rod: revolute", {0, 64}, draw::Align::center,
+             theme.constraint_force);
+        name(start.slider, "slider_frame: prismatic", {0, 84}, draw::Align::center,
+             theme.constraint_force);
+        name({0, 0}, "frame_ground: ground", {-8, 26}, draw::Align::right, theme.constraint_force);
+        if (scene.torque != 0.0) {  // a couple: an arc with a head
+          std::vector<Point> arc;
+          const double r = 1.12 * Scene::wheel_radius, sign = scene.torque > 0.0 ? 1.0 : -1.0;
+          for (int i = 0; i <= 40; ++i) {
+            const double angle = -2.4 + sign * i / 40.0;
+            arc.push_back({r * std::cos(angle), r * std::sin(angle)});
+          }
+          canvas.curve(arc, theme.applied_force, 2.4);
+          const Point head = arc.back(), before = arc[arc.size() - 4];
+          canvas.arrow(before, 1.6 * (head - before), theme.applied_force);
+          canvas.label(arc.back(), fmt::format("torque {:g} N·m", scene.torque),
+                       theme.applied_force, draw::Font::bold, draw::Align::left, {14, -6});
+        }
+      }};
+}
+
+Picture motion_picture(const Scene& scene, const RunOptions& run) {
+  const std::vector<Instant> instants = revolution(scene, run);
+  constexpr std::size_t exposures = 9;
+  std::vector<Instant> shown;
+  for (std::size_t i = 0; i < exposures; ++i)
+    shown.push_back(instants[i * (instants.size() - 1) / (exposures - 1)]);
+  const Instant& last = instants.back();
+  const std::string caption = fmt::format(
+      "{} exposures at equal times from t = 0 to {:.3f} s, in which the crank turns by {:.2f} rad.",
+      exposures, last.t, last.theta - scene.theta0);
+  return {
+      "motion", [=](draw::Pen& pen) {
+        Canvas canvas(pen, draw::page(pen, "One revolution of the crank", caption), view(scene));
+        canvas.axes("m");
+        draw_frame(canvas, scene);
+        canvas.disc({0.0, 0.0}, Scene::wheel_radius, canvas.theme().body.faded(0.25),
+                    canvas.theme().body_edge);
+        for (std::size_t i = 0; i < shown.size(); ++i) {
+          draw_bodies(canvas, shown[i],
+                      i + 1 == shown.size() ? 1.0 : 0.2 + 0.6 * static_cast<double>(i) / exposures,
+                      false);
+          const Vector2d out = 1.16 * shown[i].pin;
+          if (i + 1 < shown.size() || std::abs(last.theta - scene.theta0) < 0.98 * turn)
+            canvas.label(point(out), fmt::format("{:.2f} s", shown[i].t), canvas.theme().muted,
+                         draw::Font::small, draw::Align::center);
+        }
+        canvas.pin({0.0, 0.0});
+      }};
+}
+
+Picture forces_picture(const Scene& scene, const RunOptions& run) {
+  const std::vector<Instant> instants = revolution(scene, run);
+  const Instant& worst = *std::max_element(
+      instants.begin(), instants.end(),
+      [](const Instant& a, const Instant& b) { return largest(a.forces) < largest(b.forces); });
+  draw::Plot plot;
+  plot.x.label = "crank angle θ [rad]";
+  plot.y.label = "joint force [N]";
+  const auto curve = [&](const char* name, auto member) {
+    draw::Curve line{.label = name};
+    for (const Instant& at : instants)
+      line.points.push_back({at.theta, (at.forces.*member).norm()});
+    plot.curves.push_back(line);
+  };
+  curve("slider_rod", &Forces::slider_rod);
+  curve("rod_wheel", &Forces::rod_wheel);
+  curve("wheel_frame", &Forces::wheel_frame);
+  curve("slider_frame", &Forces::slider_frame);
+  const std::string caption = fmt::format(
+      "Largest at θ = {:.2f} rad, t = {:.3f} s: the frame holds the wheel with {:.1f} N. Arrows: "
+      "the force on the "
+      "body that the joint's name starts with.",
+      worst.theta, worst.t, worst.forces.wheel_frame.norm());
+  return {
+      "forces", [=](draw::Pen& pen) {
+        draw::Plot colored = plot;
+        for (std::size_t i = 0; i < 4; ++i) colored.curves[i].color = pen.theme().series[i];
+        const draw::Rect content = draw::page(pen, "Joint forces over one revolution", caption);
+        const double height = 0.44 * content.height;
+        draw::draw_plot(pen, {content.left, content.top, content.width, height - 10.0}, colored);
+        draw::View seen = view(scene);
+        seen.top *= 0.85;
+        seen.bottom *= 0.85;
+        Canvas canvas(pen,
+                      {content.left, content.top + height, content.width, content.height - height},
+                      seen);
+        draw_mechanism(canvas, scene, worst, true);
+        draw_forces(canvas, worst, largest(worst.forces), 0.45);
+        canvas.scale_bar("m");
+      }};
+}
+
+Picture energy_picture(const Scene& scene, const RunOptions& run) {
+  Bodies bodies;
+  program::Mechanism mechanism = make_mechanism(scene, run.method, &bodies);
+  Motion crank(std::move(mechanism), run.method);
+  const double start = crank.measures().energy;
+  draw::Curve energy{.label = "E(t) − E(0)", .thickness = 4.5},
+      work{.label = "τ (θ − θ0)", .dash = draw::Dash::dashed};
+  draw::Curve error{.label = "", .thickness = 2.0};
+  double worst = 0.0;
+  const long steps = run.whole_steps(), stride = std::max(1L, steps / 400);
+  for (long done = 0; done < steps; done += stride) {
+    crank.advance(stride, run.step);
+    const measure::Measures now = crank.measures();
+    energy.points.push_back({crank.time(), now.energy - start});
+    work.points.push_back({crank.time(), now.work});
+    error.points.push_back({crank.time(), std::abs(now.energy - start - now.work)});
+    worst = std::max(worst, error.points.back().y);
+  }
+  const std::string caption = fmt::format(
+      "The torque does {:.2f} J of work in {:g} s; the energy differs from it by at most {} J ({}, "
+      "step {:g} s).",
+      work.points.back().y, run.duration, program::figure(worst), run.method.label(), run.step);
+  return {"energy", [=](draw::Pen& pen) {
+            const draw::Rect content =
+                draw::page(pen, "The energy is what the torque has put in", caption);
+            draw::Plot left{
+                .title = "energy and work", .x = {.label = "time [s]"}, .y = {.label = "[J]"}};
+            left.curves = {energy, work};
+            left.curves[0].color = pen.theme().series[3];
+            left.curves[1].color = pen.theme().series[0];
+            left.legend = draw::Legend::top_left;
+            draw::Plot right{.title = "their difference",
+                             .x = {.label = "time [s]"},
+                             .y = {.label = "|E − E(0) − τ (θ − θ0)| [J]", .log = true}};
+            right.curves = {error};
+            const double width = 0.5 * (content.width - 24.0);
+            draw::draw_plot(pen, {content.left, content.top, width, content.height}, left);
+            draw::draw_plot(pen, {content.left + width + 24.0, content.top, width, content.height},
+                            right);
+          }};
+}
+
+program::Drift drift(const Scene& scene, const measure::Method& method, double duration,
+                     double step) {
+  Motion crank = motion(scene, method);
+  return program::drift(method.label(), crank, duration, step);
+}
+
+Picture drift_picture(const Scene& scene, const RunOptions& run) {
+  std::vector<program::Drift> drifts;
+  for (const auto& method : integrators::methods)
+    drifts.push_back(drift(scene, {.integrator = method.name}, run.duration, run.step));
+  const std::string caption = fmt::format(
+      "No stabilization, step {:g} s, {:g} s: the joints open by {} m with explicit Euler, by {} m "
+      "with RK4.",
+      run.step, run.duration, program::figure(drifts.front().largest_constraint_error),
+      program::figure(drifts.back().largest_constraint_error));
+  return program::drift_picture("drift", "How three methods let the joints open", caption, drifts,
+                                "m");
+}
+
+Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
+  const double step = 5.0 * run.step;
+  std::vector<program::Drift> drifts;
+  for (const measure::Method& method :
+       {measure::Method{},
+        measure::Method{integrators::Name::rk4, Stabilization::feedback, 625.0, 50.0},
+        measure::Method{integrators::Name::rk4, Stabilization::projection}})
+    drifts.push_back(drift(scene, method, run.duration, step));
+  const std::string caption = fmt::format(
+      "RK4 with a step of {:g} s: the joints open by {} m alone, {} m with feedback (ks = 625, kd "
+      "= 50), rounding with "
+      "projection.",
+      step, program::figure(drifts[0].largest_constraint_error),
+      program::figure(drifts[1].largest_constraint_error));
+  return program::drift_picture("stabilization", "Holding the joints closed", caption, drifts, "m");
+}
+
+Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
+  Motion without(make_mechanism(scene, {}), {});
+  measure::Motion<WithoutJdotV> off(WithoutJdotV(make_mechanism(scene, {})), {});
+  const std::vector<program::Drift> drifts{
+      program::drift("without the velocity term", off, 0.5 * run.duration, run.step),
+      program::drift("with it", without, 0.5 * run.duration, run.step)};
+  const std::string caption = fmt::format(
+      "After {:g} s the joints are open by {} m without the velocity term, by {} m with it.",
+      0.5 * run.duration,
+      program::figure(drifts[0].constraint_error.empty() ? 0.0
+                                                         : drifts[0].constraint_error.back().y),
+      program::figure(drifts[1].constraint_error.empty() ? 0.0
+                                                         : drifts[1].constraint_error.back().y));
+  return program::drift_picture("turned_off", "The velocity term of every joint, left out", caption,
+                                drifts, "m");
+}
+
+}  // namespace
+
+std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
+  return {scene_picture(scene, run),     motion_picture(scene, run),
+          forces_picture(scene, run),    energy_picture(scene, run),
+          drift_picture(scene, run),     stabilization_picture(scene, run),
+          turned_off_picture(scene, run)};
+}
+
+Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
+  Bodies bodies;
+  program::Mechanism mechanism = make_mechanism(scene, run.method, &bodies);
+  Motion crank(std::move(mechanism), run.method);
+  const long steps = std::lround(t / run.step);
+  if (steps > 0) crank.advance(steps, run.step);
+  const Instant at = now(scene, crank, bodies);
+  const std::string caption = fmt::format(
+      "t = {:.3f} s: θ = {:.3f} rad, joints open by {} m ({}, step {:g} s).", at.t, at.theta,
+      program::figure(crank.measures().constraint_error), run.method.label(), run.step);
+  return {fmt::format("at_{}s", t), [=](draw::Pen& pen) {
+            draw::View seen = view(scene);
+            Canvas canvas(pen, draw::page(pen, "Slider-crank", caption), seen);
+            canvas.axes("m");
+            draw_mechanism(canvas, scene, at, true);
+            draw_forces(canvas, at, std::max(1e-300, largest(at.forces)),
+                        0.4 * (scene.crank + Scene::wheel_radius));
+          }};
+}
+
+}  // namespace slider_crank

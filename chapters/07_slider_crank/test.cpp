@@ -1,0 +1,319 @@
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "allocations.hpp"
+#include "catch.hpp"
+#include "exact.hpp"
+#include "measure/ladder.hpp"
+#include "scene.hpp"
+#include "turned_off.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "picture_check.hpp"
+#include "pictures.hpp"
+#endif
+
+using measure::Method;
+using measure::Stabilization;
+using slider_crank::Bodies;
+using slider_crank::Exact;
+using slider_crank::make_mechanism;
+using slider_crank::Reduced;
+using slider_crank::Scene;
+
+namespace {
+
+using Motion = measure::Motion<program::Mechanism>;
+
+Motion motion(const Scene& scene, const Method& method = {}) {
+  return {make_mechanism(scene, method), method};
+}
+
+std::size_t column(const std::vector<std::string>& names, const std::string& name) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  REQUIRE(found != names.end());
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+double value(Motion& motion, const std::string& name) {
+  const measure::Columns columns = motion.columns();
+  const measure::Row row = motion.row();
+  if (std::count(columns.state.begin(), columns.state.end(), name))
+    return row.state[column(columns.state, name)];
+  return row.reactions[column(columns.reactions, name)];
+}
+
+const Scene scenes[] = {
+    {},
+    {.torque = 0.0},
+    {.crank = 0.2, .rod = 0.45, .torque = -3.0, .theta0 = 2.0},
+    {.torque = 0.5, .theta0 = -1.0, .omega0 = -20.0, .wheel_mass = 0.3, .rod_mass = 2.0},
+    {.crank = 0.3, .rod = 0.31, .theta0 = 0.3, .omega0 = 12.0}};
+
+}  // namespace
+
+TEST_CASE("the reduced mechanism: derivatives of its places against finite differences") {
+  for (const Scene& scene : scenes) {
+    const Reduced reduced(scene);
+    const long double h = 1e-4L;
+    for (const long double theta : {-2.0L, 0.3L, 1.2L, 4.0L}) {
+      const auto at = reduced.pose(theta), plus = reduced.pose(theta + h),
+                 minus = reduced.pose(theta - h);
+      const auto check = [&](auto member) {
+        const auto &f = at.*member, &p = plus.*member, &m = minus.*member;
+        CHECK(static_cast<double>(f.first) ==
+              Approx(static_cast<double>((p.value - m.value) / (2 * h))).margin(1e-6));
+        CHECK(static_cast<double>(f.second) ==
+              Approx(static_cast<double>((p.first - m.first) / (2 * h))).margin(1e-5));
+      };
+      check(&Reduced::Pose::s);
+      check(&Reduced::Pose::x);
+      check(&Reduced::Pose::y);
+      check(&Reduced::Pose::phi);
+    }
+  }
+}
+
+TEST_CASE("the exact motion by quadrature is that of the reduced equation of motion") {
+  for (const Scene& scene : {scenes[0], scenes[2], scenes[3], scenes[4]}) {
+    const Exact exact(scene);
+    for (const double t : {0.01, 0.7, 2.0}) {
+      const auto quadrature = exact.by_quadrature(t);
+      if (!quadrature) continue;  // turned back: the quadrature says so
+      const auto integrated = exact.by_integration(t);
+      INFO("t " << t << ", rod " << scene.rod);
+      const double scale = 1.0 + static_cast<double>(std::abs(integrated.theta));
+      CHECK(static_cast<double>(std::abs(quadrature->theta - integrated.theta)) < 2e-15 * scale);
+      CHECK(static_cast<double>(std::abs(quadrature->omega - integrated.omega)) < 5e-14 * scale);
+    }
+  }
+  CHECK(Exact(Scene{}).by_quadrature(2.0).has_value());
+  CHECK_FALSE(Exact(Scene{.torque = 0.0}).by_quadrature(2.0).has_value());
+}
+
+TEST_CASE("without torque the crank swings between θ0 and π − θ0 and comes back") {
+  const Scene scene{.torque = 0.0};
+  const Exact exact(scene);
+  double least = 10, most = -10, speed_at_turn = 10;
+  for (double t = 0; t < 4; t += 1e-2) {
+    const auto state = exact.at(t);
+    least = std::min(least, static_cast<double>(state.theta));
+    if (static_cast<double>(state.theta) > most) {
+      most = static_cast<double>(state.theta);
+      speed_at_turn = static_cast<double>(std::abs(state.omega));
+    }
+  }
+  CHECK(least >= scene.theta0 - 1e-12);
+  CHECK(most == Approx(std::numbers::pi - scene.theta0).margin(1e-3));
+  CHECK(speed_at_turn < 0.05);
+}
+
+TEST_CASE("the wheel angle after 2 s is 14.08990344146206 rad") {
+  // A figure from another derivation of the same scene.
+  CHECK(static_cast<double>(Exact(Scene{}).at(2.0).theta) ==
+        Approx(14.08990344146206).epsilon(1e-15));
+  Motion crank = motion({});
+  double drift = 0;
+  for (int i = 0; i < 2000; ++i) {
+    crank.advance(1, 1e-3);
+    drift = std::max(drift, crank.measures().constraint_error);
+  }
+  CHECK(std::abs(value(crank, "wheel.theta") - 14.08990344146206) < 2e-9);
+  CHECK(drift < 3e-9);
+
+  Motion projected = motion({}, {integrators::Name::rk4, Stabilization::projection});
+  drift = 0;
+  for (int i = 0; i < 2000; ++i) {
+    projected.advance(1, 1e-3);
+    drift = std::max(drift, projected.measures().constraint_error);
+  }
+  CHECK(drift < 1e-14);
+  CHECK(std::abs(value(projected, "wheel.theta") - 14.08990344146206) < 2e-9);
+}
+
+TEST_CASE(
+    "rows and columns equal the hand count, with the frame and without, and both move alike") {
+  Scene with{.simulate_frame = 1.0}, without;
+  Motion big = motion(with), small = motion(without);
+  big.advance(1000, 1e-3);
+  small.advance(1000, 1e-3);
+  const dynamics::Counts of_big = big.model().system.counts(),
+                         of_small = small.model().system.counts();
+  CHECK(of_big.rows == 3 + 2 + 2 + 2 + 2);
+  CHECK(of_big.coordinates == 4 * 3);
+  CHECK(of_big.rank == 11);
+  CHECK(of_big.degrees_of_freedom == 1);
+  CHECK(of_big.jacobian_blocks == 1 + 4 * 2);
+  CHECK(of_small.rows == 8);
+  CHECK(of_small.coordinates == 9);
+  CHECK(of_small.degrees_of_freedom == 1);
+  CHECK(of_small.jacobian_blocks == 1 + 2 + 2 + 1);
+  REQUIRE(big.columns().state == small.columns().state);
+  for (const std::string& name : big.columns().state)
+    CHECK(value(big, name) == Approx(value(small, name)).margin(1e-9));
+  for (const std::string& name : small.columns().reactions)
+    CHECK(value(big, name) == Approx(value(small, name)).margin(1e-7));
+}
+
+TEST_CASE("at rest and in motion every joint force is that of Newton's and Euler's laws") {
+  for (const Scene& scene : scenes)
+    for (const double frame : {0.0, 1.0}) {
+      Scene one = scene;
+      one.simulate_frame = frame;
+      Motion crank = motion(one, {integrators::Name::rk4, Stabilization::projection});
+      for (int i = 0; i < 4; ++i) {
+        const Exact::State state{value(crank, "wheel.theta"), value(crank, "wheel.omega")};
+        const slider_crank::Reactions truth = slider_crank::reactions(one, state);
+        const auto check = [&](const char* joint, const Eigen::Vector2d& force) {
+          INFO(joint << ", step " << i << ", rod " << scene.rod << ", frame " << frame);
+          const Eigen::Vector2d found(value(crank, std::string(joint) + ".fx"),
+                                      value(crank, std::string(joint) + ".fy"));
+          CHECK((found - force).norm() <= 1e-8 * (1 + force.norm()));
+        };
+        check("wheel_frame", truth.wheel_frame);
+        check("rod_wheel", truth.rod_wheel);
+        check("slider_rod", truth.slider_rod);
+        check("slider_frame", truth.slider_frame);
+        check("frame_ground", truth.frame_ground);
+        CHECK(value(crank, "frame_ground.moment") ==
+              Approx(truth.frame_ground_moment).epsilon(1e-8).margin(1e-8));
+        CHECK(std::abs(value(crank, "slider_frame.moment")) < 1e-8);
+        crank.advance(50, 1e-3);
+      }
+    }
+}
+
+TEST_CASE("the energy is what the torque has put in, and constant when it is off") {
+  for (const Scene& scene : scenes) {
+    Motion crank = motion(scene, {integrators::Name::rk4, Stabilization::projection});
+    const double start = crank.measures().energy, theta0 = value(crank, "wheel.theta");
+    crank.advance(4000, 2.5e-4);
+    const double gained = crank.measures().energy - start;
+    const double scale = 1.0 + std::abs(start) + std::abs(gained);
+    CHECK(std::abs(gained - scene.torque * (value(crank, "wheel.theta") - theta0)) < 1e-7 * scale);
+  }
+}
+
+TEST_CASE("wheel angle, its rate and the joint forces converge with the order of the integrator") {
+  const Scene scene;
+  const auto columns = make_mechanism(scene, {}).columns();
+  const auto rungs = measure::climb(
+      {.methods = {{integrators::Name::explicit_euler},
+                   {integrators::Name::semi_implicit_euler},
+                   {integrators::Name::rk4},
+                   {integrators::Name::rk4, Stabilization::projection}},
+       .duration = 0.5,
+       .coarsest = 1.0 / 128,
+       .rungs = 8},
+      [&](const Method& method) { return std::make_unique<Motion>(motion(scene, method)); },
+      [&](const measure::Row& row) { return slider_crank::errors(scene, columns, row); },
+      [](double, const std::string&) {});
+  const measure::Rung* coarse = nullptr;
+  int compared = 0;
+  for (const auto& rung : rungs) {
+    REQUIRE(rung.errors.size() == 3);
+    if (coarse != nullptr && coarse->method == rung.method && rung.step < 1.0 / 400)
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (rung.errors[k] < 2e-12 * (k == 2 ? 100 : 1)) continue;
+        INFO(rung.method << ", step " << rung.step << ", quantity " << k);
+        CHECK(measure::observed_order(*coarse, rung, k) == Approx(rung.order).margin(0.15));
+        ++compared;
+      }
+    coarse = &rung;
+  }
+  CHECK(compared > 30);
+}
+
+TEST_CASE("rod = crank: through the dead centre on the branch of its momentum, energy kept") {
+  const Scene scene{
+      .crank = 0.3, .rod = 0.3, .torque = 0.0, .theta0 = 0.2, .omega0 = 9.0, .gravity = 0.0};
+  Motion crank = motion(scene, {integrators::Name::rk4, Stabilization::projection});
+  const double start = crank.measures().energy;
+  crank.advance(7000, 1e-3);
+  CHECK(value(crank, "wheel.theta") > 0.2 + 11 * std::numbers::pi);  // more than ten passages
+  CHECK(std::abs(crank.measures().energy - start) < 1e-6 * start);
+  // On this branch the slider swings through the wheel's centre: s = 2 r cos θ.
+  CHECK(value(crank, "slider.x") ==
+        Approx(0.6 * std::cos(value(crank, "wheel.theta"))).margin(1e-6));
+}
+
+TEST_CASE(
+    "in the pose where rod and crank fold, the rank falls and the rows that depend are named") {
+  // rod = crank, θ = π/2: the slider stands on the wheel's centre and could leave it two ways.
+  const Scene scene{.crank = 0.3, .rod = 0.3, .theta0 = std::numbers::pi / 2};
+  program::Mechanism mechanism = make_mechanism(scene, {});
+  Eigen::VectorXd q = mechanism.initial_position(), v = mechanism.initial_velocity(), a = q;
+  mechanism.acceleration(0, q, v, a);
+  CHECK(a.allFinite());
+  CHECK(mechanism.system.counts().rank == 7);
+  CHECK(mechanism.system.dependent_rows().size() == 1);
+}
+
+TEST_CASE("without J̇v the joints give way by exactly C̈ = J̇v") {
+  // Linear independence of the two accelerations: J (a_with − a_without) = −J̇v, so J a_without = 0.
+  slider_crank::WithoutJdotV off(make_mechanism({.omega0 = 8.0}, {}));
+  const Eigen::VectorXd q = off.initial_position(), v = off.initial_velocity();
+  Eigen::VectorXd a = q;
+  off.acceleration(0, q, v, a);
+  CHECK((off.system.jacobian(q) * a).lpNorm<Eigen::Infinity>() < 1e-11);
+  off.Mechanism::acceleration(0, q, v, a);
+  CHECK((off.system.jacobian(q) * a).lpNorm<Eigen::Infinity>() > 1.0);
+}
+
+TEST_CASE("a step allocates nothing") {
+  for (const auto stabilization :
+       {Stabilization::none, Stabilization::feedback, Stabilization::projection}) {
+    Motion crank = motion({}, {integrators::Name::rk4, stabilization, 100.0, 20.0});
+    crank.advance(1, 1e-3);
+    const long before = allocations();
+    crank.advance(100, 1e-3);
+    CHECK(allocations() == before);
+  }
+}
+
+TEST_CASE("solution 1: the torque that holds the crank at rest balances the rod's weight") {
+  // By virtual work: τ δθ + mr g δy = 0 with y = r sin θ/2.
+  const Scene scene{.torque = -1.0 * 9.81 * 0.3 * std::cos(0.7) / 2, .theta0 = 0.7};
+  Motion crank = motion(scene);
+  crank.advance(1000, 1e-3);
+  CHECK(value(crank, "wheel.theta") == Approx(0.7).epsilon(1e-12));
+}
+
+TEST_CASE("solution 2: a second rail changes nothing but the rank") {
+  Bodies bodies;
+  program::Mechanism twice = make_mechanism({}, {}, &bodies), once = make_mechanism({}, {});
+  twice.system.add("second_rail", joints::Prismatic{.u1 = {0.0, 0.1}, .u2 = {0.0, 0.1}},
+                   dynamics::System::world, bodies.slider);
+  const Eigen::VectorXd q = once.initial_position(), v = once.initial_velocity();
+  Eigen::VectorXd a = q, b = q;
+  once.acceleration(0, q, v, a);
+  twice.acceleration(0, q, v, b);
+  CHECK((a - b).lpNorm<Eigen::Infinity>() < 1e-10 * a.lpNorm<Eigen::Infinity>());
+  CHECK(twice.system.counts().rows == 10);
+  CHECK(twice.system.counts().rank == 8);
+  CHECK(twice.system.dependent_rows().size() == 2);
+}
+
+#ifdef TUTORIAL_PICTURES
+
+namespace {
+const program::RunOptions defaults{.duration = 2.0, .step = 0.001};
+}
+
+TEST_CASE("the pictures of the lesson are those that the program draws") {
+  picture_check::compare_all("07_slider_crank", slider_crank::pictures({}, defaults));
+}
+
+TEST_CASE("pictures can be drawn of every scene the options allow") {
+  for (const Scene& scene :
+       {Scene{.torque = 0.0}, Scene{.rod = 0.3}, Scene{.crank = 1e-6, .rod = 1e-5},
+        Scene{.crank = 40.0, .rod = 50.0, .gravity = 0.0}}) {
+    const program::RunOptions run{.duration = 0.05, .step = 0.001};
+    for (const auto& picture : slider_crank::pictures(scene, run))
+      CHECK_NOTHROW(draw::render({.scale = 0.5}, picture.draw));
+    CHECK_NOTHROW(draw::render({.width = 480, .height = 300},
+                               slider_crank::picture_at(scene, run, 0.02).draw));
+  }
+}
+
+#endif

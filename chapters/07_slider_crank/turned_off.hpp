@@ -1,0 +1,23 @@
+#pragma once
+
+#include "scene.hpp"
+
+namespace slider_crank {
+
+/// The mechanism without J̇v: its joints are solved as if everything stood still, so they give way
+/// where bodies turn. Gravity and torque act as before, since neither depends on the velocities.
+class WithoutJdotV : public program::Mechanism {
+ public:
+  explicit WithoutJdotV(program::Mechanism mechanism) : Mechanism(std::move(mechanism)) {
+    at_rest_ = Vector::Zero(initial_velocity().size());
+  }
+
+  void acceleration(double t, const Vector& q, const Vector&, Vector& a) {
+    Mechanism::acceleration(t, q, at_rest_, a);
+  }
+
+ private:
+  Vector at_rest_;
+};
+
+}  // namespace slider_crank
