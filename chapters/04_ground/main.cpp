@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
       {"--offset-theta", "rad", "start turned", &scene.offset_theta, length},
   };
   chapter.defaults = {.duration = 5.0, .step = 0.01};
+  chapter.constraint_unit = "m or rad";
 
   chapter.start = [&](const measure::Method& method) {
     current = method;

@@ -64,8 +64,9 @@ void draw_forces(Canvas& canvas, const Scene& scene, const Instant& at) {
   const Point edge{at.q.x() + 0.5 * Scene::width * std::cos(at.q.z()),
                    at.q.y() + 0.5 * Scene::width * std::sin(at.q.z())};
   canvas.arrow(centre, {0.0, scale * weight}, theme.weight, fmt::format("weight {:.2f} N", weight));
-  canvas.arrow(edge, {0.0, scale * load}, theme.applied_force,
-               fmt::format("load {:.2f} N", std::abs(load)));
+  canvas.arrow(edge, {0.0, scale * load}, theme.applied_force);
+  canvas.label(edge, fmt::format("load {:.2f} N", std::abs(load)), theme.applied_force,
+               draw::Font::text, draw::Align::left, {14.0, 14.0});
   canvas.arrow(
       centre, {scale * at.reaction.x(), scale * at.reaction.y()}, theme.constraint_force,
       fmt::format("reaction {:.2f} N, {:+.2f} N·m", at.reaction.head<2>().norm(), at.reaction.z()));
@@ -185,7 +186,7 @@ Picture decay_picture(const std::string& name, const std::string& title,
             draw::Plot colored = plot;
             for (std::size_t i = 0; i < colored.curves.size(); ++i)
               colored.curves[i].color = pen.theme().series[i / 2];
-            colored.legend = draw::Legend::top_right;
+            colored.legend = draw::Legend::above;
             draw::draw_plot(pen, draw::page(pen, title, caption), colored);
           }};
 }

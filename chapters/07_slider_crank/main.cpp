@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
        true},
   };
   chapter.defaults = {.duration = 2.0, .step = 0.001};
+  chapter.constraint_unit = "m or rad";
 
   chapter.start = [&scene](const measure::Method& method) {
     if (scene.rod < scene.crank)

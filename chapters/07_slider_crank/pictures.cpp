@@ -201,15 +201,18 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
         draw_frame(canvas, scene);
         canvas.disc({0.0, 0.0}, Scene::wheel_radius, canvas.theme().body.faded(0.25),
                     canvas.theme().body_edge);
+        // After a whole turn the last exposure covers the first: one label serves both.
+        const bool closed = std::abs(last.theta - scene.theta0) > 0.98 * turn;
         for (std::size_t i = 0; i < shown.size(); ++i) {
-          draw_bodies(canvas, shown[i],
-                      i + 1 == shown.size() ? 1.0 : 0.2 + 0.6 * static_cast<double>(i) / exposures,
-                      false);
-          const Vector2d out = 1.16 * shown[i].pin;
-          if (i + 1 < shown.size() || std::abs(last.theta - scene.theta0) < 0.98 * turn)
-            canvas.label(point(out), fmt::format("{:.2f} s", shown[i].t), canvas.theme().muted,
-                         draw::Font::small, draw::Align::center);
+          const double presence = 0.2 + 0.6 * static_cast<double>(i) / exposures;
+          draw_bodies(canvas, shown[i], i + 1 == shown.size() ? 1.0 : presence, false);
+          if (closed && (i == 0 || i + 1 == shown.size())) continue;
+          canvas.label(point(1.16 * shown[i].pin), fmt::format("{:.2f} s", shown[i].t),
+                       canvas.theme().muted, draw::Font::small, draw::Align::center);
         }
+        if (closed)
+          canvas.label(point(last.pin), fmt::format("0.00 and {:.2f} s", last.t),
+                       canvas.theme().muted, draw::Font::small, draw::Align::left, {30.0, 12.0});
         canvas.pin({0.0, 0.0});
       }};
 }

@@ -77,7 +77,7 @@ int BlockLdlt::block(int i, int j) const {
 
 void BlockLdlt::factor(double damping) {
   L_ = K_;
-  double* const K = L_.data();
+  double* const K = L_.data();  // a copy of K, which turns into the factor block by block
   for (const Node& node : nodes_)
     for (int k = 0; k < node.size; ++k) {
       double& K_kk = K[node.block + k * (node.size + 1)];

@@ -130,11 +130,7 @@ void System::load(const VectorXd& q, const VectorXd& v) {
             rotation(q[column + 2])};
 }
 
-// All that concerns each joint alone, in state q, v, with F applied: C, J, b and the diagonal of K.
-void System::evaluate(const VectorXd& q, const VectorXd& v) {
-  load(q, v);
-  find_rows();
-}
+// All that concerns each joint alone, with F_ applied: C, J, b and the diagonal blocks of K.
 void System::find_rows() {
   a_ = W_.cwiseProduct(F_);
   double* const K = K_.K().data();
@@ -143,6 +139,12 @@ void System::find_rows() {
     joint.rows->rows(
         things_, W_, a_,
         {C_.data() + joint.row, b_.data() + joint.row, K + joint.K, J_.data() + joint.J});
+}
+
+// The same in state q, v, for those who do not ask for b and so need no F.
+void System::evaluate(const VectorXd& q, const VectorXd& v) {
+  load(q, v);
+  find_rows();
 }
 
 // y += sign J x
@@ -341,7 +343,7 @@ Assembly System::assemble(VectorXd& q, VectorXd& v) {
   evaluate(best, v);
   if (!(relative_error(start) <= closed)) {
     Eigen::Index worst = 0;
-    C_.cwiseAbs().cwiseQuotient(size_).maxCoeff(&worst);
+    (C_.array().abs() / (size_.array() + start * K_.diagonal().array().sqrt())).maxCoeff(&worst);
     const auto joint =
         std::find_if(joints_.rbegin(), joints_.rend(), [&](auto& j) { return j.row <= worst; });
     char open[32];
@@ -353,7 +355,7 @@ Assembly System::assemble(VectorXd& q, VectorXd& v) {
   report.moved = largest(best - q);
   report.C_after = largest(C_);
   q = best;
-  factor();
+  factor();  // at q; velocity_error leaves the factor alone
   report.Jv_before = velocity_error(q, v);
   project_velocities(q, v);
   report.Jv_after = velocity_error(q, v);

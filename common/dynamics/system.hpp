@@ -159,7 +159,8 @@ struct AssemblyError : std::runtime_error {
 
 /// A scene: things, joints between them, and applied forces. Set it up with add and apply; the
 /// first evaluation then fixes its storage, and none of those after it allocates.
-/// Whoever passes a q, v or a of the wrong length gets std::invalid_argument.
+/// Whoever passes a q or v of the wrong length gets std::invalid_argument. NaN in, NaN out: nothing
+/// here crashes or loops on it, but who steps a System must look whether its state is finite.
 class System {
  public:
   static constexpr Handle<World> world{};
@@ -205,7 +206,7 @@ class System {
   const VectorXd& initial_q() const { return q0_; }
   const VectorXd& initial_v() const { return v0_; }
 
-  /// Equation 1: the accelerations at time t in state q, v.
+  /// Equation 1: the accelerations a at time t in state q, v.
   void acceleration(double t, const VectorXd& q, const VectorXd& v, VectorXd& a);
 
   /// Of the last acceleration(): lambda of a joint's rows, and the joint's part of J^T lambda on
