@@ -5,7 +5,8 @@
 // A comment in a document names where the fenced block after it comes from:
 //
 //   <!-- excerpt: FILE NAME -->   the lines of FILE between two lines "// [NAME]"
-//   <!-- output: COMMAND -->      what the shell command prints; the programs are on its path
+//   <!-- output: COMMAND -->      what the shell command prints in SOURCE; the programs are on its
+//   path
 //   <!-- report: CSV -->          the short table of a saved report
 //
 // Without --check the blocks are written anew. With it nothing is written: each block that differs
@@ -155,7 +156,8 @@ int main(int argc, char** argv) try {
     fmt::print(stderr, "usage: documents [--check] SOURCE BIN\n");
     return 2;
   }
-  const fs::path source = argv[argc - 2], bin = fs::absolute(argv[argc - 1]);
+  const fs::path source = ".", bin = fs::absolute(argv[argc - 1]);
+  fs::current_path(argv[argc - 2]);  // commands and names are relative to it
   setenv("PATH", (bin.string() + ":" + std::getenv("PATH")).c_str(), 1);
   bool differs = false;
   for (const fs::path& file : documents(source)) {
