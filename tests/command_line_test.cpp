@@ -92,8 +92,9 @@ TEST_CASE("help names every option with its unit and exits with 0") {
     for (const char* command : {"run", "report"}) CHECK(holds(top.out, command));
     const Result run = shell(program(chapter) + " run --help");
     CHECK(run.status == 0);
-    for (const char* option : {"--duration [s]", "--step [s]", "--integrator", "--stabilization",
-                               "--ks [1/s^2]", "--kd [1/s]", "--every [s]", "--csv FILE"}) {
+    for (const char* option :
+         {"--duration [s]", "--step [s]", "--integrator", "--stabilization", "--ks [1/s^2]",
+          "--kd [1/s]", "--tolerance", "--every [s]", "--csv FILE"}) {
       INFO(option);
       CHECK(holds(run.out, option));
     }
@@ -151,6 +152,21 @@ TEST_CASE("a duration that is no whole number of steps is reached exactly") {
       split(shell(program(chapters()[0]) + " run --duration 1 --step 0.3 --csv -").out, '\n');
   REQUIRE(lines.size() == 6);
   CHECK(std::stod(lines.back()) == 1.0);
+}
+
+TEST_CASE(
+    "with a tolerance dop853 chooses its own steps, and rows stand where they are asked for") {
+  for (const std::string& chapter : chapters()) {
+    INFO(chapter);
+    const std::string run =
+        program(chapter) + " run --duration 0.5 --integrator dop853 --tolerance 1e-8";
+    const Result fine = shell(run + " --every 0.1 --step 0.1 --csv -");
+    CHECK(fine.status == 0);
+    CHECK(split(fine.out, '\n').size() == 7);
+    CHECK(holds(shell(run).out, "steps of its own choice"));
+    check_refused(program(chapter) + " run --tolerance 1e-8", "--tolerance");
+    check_refused(program(chapter) + " run --integrator dop853 --tolerance 0", "--tolerance");
+  }
 }
 
 TEST_CASE("the same run writes the same bytes") {

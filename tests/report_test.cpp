@@ -80,6 +80,34 @@ TEST_CASE("a ladder has the promised rungs, evaluations and orders") {
   }
 }
 
+TEST_CASE("a ladder of tolerances divides each by ten and tells the mean of its steps") {
+  const auto rungs = measure::climb(
+      {.methods = {{.integrator = integrators::Name::dop853, .tolerance = 1e-2}},
+       .duration = 3.0,
+       .coarsest = 0.1},
+      [&](const measure::Method& method) {
+        return std::make_unique<measure::Motion<Oscillator>>(Oscillator{}, method);
+      },
+      errors, [](double, const std::string&) {});
+  REQUIRE(rungs.size() == 12);
+  for (std::size_t i = 0; i < rungs.size(); ++i) {
+    CHECK(rungs[i].tolerance == Approx(std::pow(10.0, -2.0 - static_cast<double>(i))));
+    CHECK(rungs[i].method == "dop853 adaptive");
+    CHECK(rungs[i].step * static_cast<double>(rungs[i].steps) == Approx(3.0));
+    CHECK(rungs[i].evaluations >= 12 * rungs[i].steps);
+    CHECK(rungs[i].errors[0] < 10 * rungs[i].tolerance + 1e-15);
+  }
+  CHECK(rungs.back().steps > rungs.front().steps);
+}
+
+TEST_CASE("a method that cannot take its step ends the run with the time and the reason") {
+  measure::Motion<Oscillator> motion(Oscillator{.blow_up_after = 1.5},
+                                     {.integrator = integrators::Name::dop853, .tolerance = 1e-6});
+  CHECK_THROWS_WITH(motion.advance(1, 3.0),
+                    Catch::Contains("at t = 1.") && Catch::Contains("no step is short enough"));
+  CHECK(std::isfinite(motion.q()));
+}
+
 TEST_CASE("a failed run is a row that says why") {
   const program::Report result = report({.blow_up_after = 1.5});
   REQUIRE(!result.rungs.empty());
@@ -110,7 +138,7 @@ TEST_CASE("time to reach is the cheapest run below the level") {
   program::Report result{"t", 1.0, "m", {{"q", "m"}}, {}, {}};
   const auto add = [&](double seconds, const std::vector<double>& error) {
     result.rungs.push_back(
-        {"rk4", 4, 0.1, 10, 40, seconds, error, 0.0, 0.0, error.empty() ? "failed" : ""});
+        {"rk4", 4, 0.0, 0.1, 10, 40, seconds, error, 0.0, 0.0, error.empty() ? "failed" : ""});
   };
   add(0.1, {});
   add(1.0, {1e-2});

@@ -12,7 +12,6 @@
 #endif
 
 int main(int argc, char** argv) {
-  using measure::Stabilization;
   parabola::Scene scene;
   program::Chapter chapter;
   chapter.directory = "01_particle_on_curve_implicit";
@@ -38,12 +37,7 @@ int main(int argc, char** argv) {
     return particle_on_curve::errors(scene, row);
   };
 
-  using enum integrators::Name;
-  chapter.ladder = {.methods = {{explicit_euler},
-                                {semi_implicit_euler},
-                                {rk4},
-                                {rk4, Stabilization::feedback, 4.0, 4.0},
-                                {rk4, Stabilization::projection}},
+  chapter.ladder = {.methods = measure::methods_to_compare(4.0, 4.0),
                     .duration = 10.0,
                     .coarsest = 0.5,
                     .rungs = 16};

@@ -38,11 +38,10 @@ int main(int argc, char** argv) {
     return parametric_lagrangian::errors(scene, row);
   };
 
-  using enum integrators::Name;
-  chapter.ladder = {.methods = {{explicit_euler}, {semi_implicit_euler}, {rk4}},
-                    .duration = 10.0,
-                    .coarsest = 0.5,
-                    .rungs = 16};
+  chapter.ladder = {
+      .methods = measure::every_integrator(), .duration = 10.0, .coarsest = 0.5, .rungs = 16};
+  chapter.ladder.methods.push_back(
+      {.integrator = integrators::Name::dop853, .tolerance = measure::coarsest_tolerance});
 
 #ifdef TUTORIAL_PICTURES
   chapter.pictures = [&scene](const program::RunOptions& run) {

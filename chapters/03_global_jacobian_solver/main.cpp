@@ -15,7 +15,6 @@
 #endif
 
 int main(int argc, char** argv) {
-  using measure::Stabilization;
   dumbbell::Scene scene;
   program::Chapter chapter;
   chapter.directory = "03_global_jacobian_solver";
@@ -40,12 +39,7 @@ int main(int argc, char** argv) {
   chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}, {"constraint forces", "N"}};
   chapter.errors = [&scene](const measure::Row& row) { return dumbbell::errors(scene, row); };
 
-  using enum integrators::Name;
-  chapter.ladder = {.methods = {{explicit_euler},
-                                {semi_implicit_euler},
-                                {rk4},
-                                {rk4, Stabilization::feedback, 1.0, 2.0},
-                                {rk4, Stabilization::projection}},
+  chapter.ladder = {.methods = measure::methods_to_compare(1.0, 2.0),
                     .duration = 10.0,
                     .coarsest = 0.5,
                     .rungs = 16};

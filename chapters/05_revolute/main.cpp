@@ -34,7 +34,6 @@ void report_cost(const std::filesystem::path& out) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  using measure::Stabilization;
   revolute::Scene scene;
   program::Chapter chapter;
   chapter.directory = "05_revolute";
@@ -59,12 +58,7 @@ int main(int argc, char** argv) {
   chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}, {"pin force", "N"}};
   chapter.errors = [&scene](const measure::Row& row) { return revolute::errors(scene, row); };
 
-  using enum integrators::Name;
-  chapter.ladder = {.methods = {{explicit_euler},
-                                {semi_implicit_euler},
-                                {rk4},
-                                {rk4, Stabilization::feedback, 100.0, 20.0},
-                                {rk4, Stabilization::projection}},
+  chapter.ladder = {.methods = measure::methods_to_compare(100.0, 20.0),
                     .duration = 2.0,
                     .coarsest = 0.1,
                     .rungs = 15};

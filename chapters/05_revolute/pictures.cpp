@@ -293,10 +293,11 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
                            run.duration, run.step));
   const std::string caption = fmt::format(
       "No stabilization, step {:g} s, {:g} s: with explicit Euler the pin opens by {} m, with RK4 "
-      "by {} m.",
+      "by {} m, with dop853 by {} m.",
       run.step, run.duration, program::figure(drifts.front().largest_constraint_error),
-      program::figure(drifts.back().largest_constraint_error));
-  return program::drift_picture("drift", "How three methods open the pin", caption, drifts, "m");
+      program::figure(drifts[3].largest_constraint_error),
+      program::figure(drifts[4].largest_constraint_error));
+  return program::drift_picture("drift", "How five methods open the pin", caption, drifts, "m");
 }
 
 Picture stabilization_picture(const Scene& scene, const RunOptions& run) {

@@ -14,7 +14,6 @@
 #endif
 
 int main(int argc, char** argv) {
-  using measure::Stabilization;
   prismatic::Scene scene;
   // On the incline RK4 is exact, so `report` measures the spinning rail unless told otherwise.
   if (argc > 1 && std::string_view(argv[1]) == "report") scene.spin = 5.0;
@@ -44,12 +43,7 @@ int main(int argc, char** argv) {
   chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}, {"force", "N"}, {"moment", "N·m"}};
   chapter.errors = [&scene](const measure::Row& row) { return prismatic::errors(scene, row); };
 
-  using enum integrators::Name;
-  chapter.ladder = {.methods = {{explicit_euler},
-                                {semi_implicit_euler},
-                                {rk4},
-                                {rk4, Stabilization::feedback, 100.0, 20.0},
-                                {rk4, Stabilization::projection}},
+  chapter.ladder = {.methods = measure::methods_to_compare(100.0, 20.0),
                     .duration = 1.0,
                     .coarsest = 0.1,
                     .rungs = 15};

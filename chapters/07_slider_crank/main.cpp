@@ -11,7 +11,6 @@
 #endif
 
 int main(int argc, char** argv) {
-  using measure::Stabilization;
   slider_crank::Scene scene;
   program::Chapter chapter;
   chapter.directory = "07_slider_crank";
@@ -55,12 +54,7 @@ int main(int argc, char** argv) {
     return slider_crank::errors(scene, slider_crank::make_mechanism(scene, {}).columns(), row);
   };
 
-  using enum integrators::Name;
-  chapter.ladder = {.methods = {{explicit_euler},
-                                {semi_implicit_euler},
-                                {rk4},
-                                {rk4, Stabilization::feedback, 625.0, 50.0},
-                                {rk4, Stabilization::projection}},
+  chapter.ladder = {.methods = measure::methods_to_compare(625.0, 50.0),
                     .duration = 2.0,
                     .coarsest = 0.02,
                     .rungs = 14};

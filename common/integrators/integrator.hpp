@@ -3,28 +3,34 @@
 #include <array>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
+#include "integrators/dop853.hpp"
 #include "integrators/explicit_euler.hpp"
+#include "integrators/implicit_midpoint.hpp"
 #include "integrators/rk4.hpp"
 #include "integrators/semi_implicit_euler.hpp"
 
 namespace integrators {
 
 /// The methods that a scene can choose, in the order in which tables list them.
-enum class Name { explicit_euler, semi_implicit_euler, rk4 };
+enum class Name { explicit_euler, semi_implicit_euler, implicit_midpoint, rk4, dop853 };
 
 struct Method {
   Name name;
   std::string_view text;  ///< as on the command line
   int order;              ///< the error at a fixed time shrinks as h^order
+  int evaluations;        ///< of the acceleration in a step; about, for an implicit method
 };
 
-inline constexpr std::array<Method, 3> methods{{
-    {Name::explicit_euler, "explicit_euler", 1},
-    {Name::semi_implicit_euler, "semi_implicit_euler", 1},
-    {Name::rk4, "rk4", 4},
+inline constexpr std::array<Method, 5> methods{{
+    {Name::explicit_euler, "explicit_euler", 1, 1},
+    {Name::semi_implicit_euler, "semi_implicit_euler", 1, 1},
+    {Name::implicit_midpoint, "implicit_midpoint", 2, 4},
+    {Name::rk4, "rk4", 4, 4},
+    {Name::dop853, "dop853", 8, 12},
 }};
 
 constexpr const Method& method(Name name) { return methods[static_cast<std::size_t>(name)]; }
@@ -40,25 +46,51 @@ constexpr std::optional<Name> find(std::string_view text) {
 template <class Vector>
 class Integrator {
  public:
-  Integrator(Name name, const Vector& like) : chosen_(make(name, like)) {}
+  /// tolerance: with which dop853 chooses its own steps; 0: it does not.
+  Integrator(Name name, const Vector& like, double tolerance = 0.0)
+      : chosen_(make(name, like, tolerance)) {}
 
-  /// Moves q and v from t to t + h; `acceleration(t, q, v, a)` writes q̈ into a.
+  /// Before another run: what a method has learnt from its last steps is forgotten.
+  void restart() {
+    std::visit(
+        [](auto& integrator) {
+          if constexpr (requires { integrator.restart(); }) integrator.restart();
+        },
+        chosen_);
+  }
+
+  /// Moves q and v from t to t + h; `acceleration(t, q, v, a)` writes q̈ into a. Returns how far it
+  /// came: h, or less where the method chooses its own steps. Throws NoStep.
   template <class Acceleration>
-  void step(Acceleration&& acceleration, double t, Vector& q, Vector& v, double h) {
-    std::visit([&](auto& integrator) { integrator.step(acceleration, t, q, v, h); }, chosen_);
+  double step(Acceleration&& acceleration, double t, Vector& q, Vector& v, double h) {
+    return std::visit(
+        [&](auto& integrator) -> double {
+          if constexpr (std::is_void_v<decltype(integrator.step(acceleration, t, q, v, h))>) {
+            integrator.step(acceleration, t, q, v, h);
+            return h;
+          } else {
+            return integrator.step(acceleration, t, q, v, h);
+          }
+        },
+        chosen_);
   }
 
  private:
-  using Chosen = std::variant<ExplicitEuler<Vector>, SemiImplicitEuler<Vector>, Rk4<Vector>>;
+  using Chosen = std::variant<ExplicitEuler<Vector>, SemiImplicitEuler<Vector>,
+                              ImplicitMidpoint<Vector>, Rk4<Vector>, Dop853<Vector>>;
 
-  static Chosen make(Name name, const Vector& like) {
+  static Chosen make(Name name, const Vector& like, double tolerance) {
     switch (name) {
       case Name::explicit_euler:
         return ExplicitEuler<Vector>(like);
       case Name::semi_implicit_euler:
         return SemiImplicitEuler<Vector>(like);
+      case Name::implicit_midpoint:
+        return ImplicitMidpoint<Vector>(like);
       case Name::rk4:
         break;
+      case Name::dop853:
+        return Dop853<Vector>(like, tolerance);
     }
     return Rk4<Vector>(like);
   }

@@ -19,6 +19,15 @@ constexpr double sample_seconds = 5e-4;
 /// that looking costs less than running; the last state is always among them.
 constexpr long most_looks = 2000;
 
+/// A method that chooses its own steps is stopped at so many evenly spaced times.
+constexpr long intervals_of_tolerance = 4;
+
+/// The spaces of time by which a run is advanced: the steps, where they are given.
+struct Intervals {
+  long number;
+  double length;  ///< [s]
+};
+
 void look(Simulation& simulation, double initial_balance, Rung& rung) {
   const Measures now = simulation.measures();
   if (!now.finite())
@@ -27,28 +36,31 @@ void look(Simulation& simulation, double initial_balance, Rung& rung) {
   rung.energy_error = std::max(rung.energy_error, std::abs(now.balance() - initial_balance));
 }
 
-void run_for_errors(Simulation& simulation, const Errors& errors, Rung& rung) {
+void run_for_errors(Simulation& simulation, const Errors& errors, const Intervals& intervals,
+                    Rung& rung) {
   const double initial_balance = simulation.measures().balance();
-  const long stride = std::max(1L, rung.steps / most_looks);
-  for (long done = 0; done < rung.steps;) {
-    const long steps = std::min(stride, rung.steps - done);
-    simulation.advance(steps, rung.step);
-    done += steps;
+  const long stride = std::max(1L, intervals.number / most_looks);
+  for (long done = 0; done < intervals.number;) {
+    const long more = std::min(stride, intervals.number - done);
+    simulation.advance(more, intervals.length);
+    done += more;
     look(simulation, initial_balance, rung);
   }
   rung.evaluations = simulation.evaluations();
+  rung.steps = simulation.steps();
+  rung.step = simulation.time() / static_cast<double>(rung.steps);
   rung.errors = errors(simulation.row());
   for (const double error : rung.errors)
     if (!std::isfinite(error))
       throw Diverged(at(simulation.time()) + "the error is no longer finite");
 }
 
-double run_for_time(Simulation& simulation, const Rung& rung) {
+double run_for_time(Simulation& simulation, const Intervals& intervals) {
   const auto sample = [&](long runs) {
     const double before = cpu_seconds();
     for (long run = 0; run < runs; ++run) {
       simulation.restart();
-      simulation.advance(rung.steps, rung.step);
+      simulation.advance(intervals.number, intervals.length);
     }
     return cpu_seconds() - before;
   };
@@ -67,22 +79,28 @@ std::vector<Rung> climb(const Ladder& ladder, const Start& start, const Errors& 
   std::vector<Rung> rungs;
   double done = 0.0;
   const double all = static_cast<double>(ladder.methods.size()) * ladder.rungs;
-  for (const Method& method : ladder.methods) {
-    const auto simulation = start(method);
+  for (Method method : ladder.methods) {
+    const auto& integrator = integrators::method(method.integrator);
+    const double reach = std::max(1.0, integrator.evaluations / 4.0);
+    const long first = std::max(1L, std::lround(ladder.duration / (ladder.coarsest * reach)));
     double least_error = std::numeric_limits<double>::infinity();
     int since_least = 0;
-    const long first_steps = std::max(1L, std::lround(ladder.duration / ladder.coarsest));
     for (int i = 0; i < ladder.rungs; ++i) {
-      Rung rung{
-          method.label(), integrators::method(method.integrator).order, 0, 0, 0, 0, {}, 0, 0, {}};
-      rung.steps = first_steps << i;
-      if (rung.steps > ladder.most_steps) break;
-      rung.step = ladder.duration / static_cast<double>(rung.steps);
+      const long number = method.tolerance > 0.0 ? intervals_of_tolerance : first << i;
+      if (number > ladder.most_steps) break;
+      const Intervals intervals{number, ladder.duration / static_cast<double>(number)};
+      if (i > 0 && method.tolerance > 0.0) method.tolerance /= 10.0;
+      if (method.tolerance > 0.0 && method.tolerance < 0.5 * finest_tolerance) break;
+      Rung rung{.method = method.label(),
+                .order = integrator.order,
+                .tolerance = method.tolerance,
+                .step = intervals.length,
+                .steps = intervals.number};
       progress(done++ / all, rung.method);
-      simulation->restart();
+      const auto simulation = start(method);
       try {
-        run_for_errors(*simulation, errors, rung);
-        rung.seconds = run_for_time(*simulation, rung);
+        run_for_errors(*simulation, errors, intervals, rung);
+        rung.seconds = run_for_time(*simulation, intervals);
       } catch (const Diverged& diverged) {
         rung.errors.clear();
         rung.constraint_error = rung.energy_error = 0.0;
@@ -92,7 +110,7 @@ std::vector<Rung> climb(const Ladder& ladder, const Start& start, const Errors& 
       if (rung.errors.empty()) continue;
       since_least = rung.errors[0] < 0.7 * least_error ? 0 : since_least + 1;
       least_error = std::min(least_error, rung.errors[0]);
-      if (i >= 7 && since_least >= 1) break;
+      if (i >= 7 && since_least >= 1 && method.tolerance == 0.0) break;
     }
   }
   progress(1.0, "");

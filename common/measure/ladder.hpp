@@ -18,24 +18,27 @@ struct Quantity {
 
 /// One run of one method with one step.
 struct Rung {
-  std::string method;  ///< Method::label()
-  int order;           ///< that theory promises
-  double step;         ///< [s]
-  long steps;
-  long evaluations;
-  double seconds;  ///< processor time, smallest of several repeats
-  std::vector<double>
-      errors;               ///< of each quantity at the end of the run; empty when the run failed
-  double constraint_error;  ///< largest |C| over the run
-  double energy_error;      ///< largest change of the energy balance over the run [J]
-  std::string failure;      ///< why the run stopped, in words; empty when it did not
+  std::string method;      ///< Method::label()
+  int order = 0;           ///< that theory promises
+  double tolerance = 0.0;  ///< of a method that chooses its own steps; 0: it does not
+  double step = 0.0;       ///< [s]; the mean of those that the method chose
+  long steps = 0;
+  long evaluations = 0;
+  double seconds = 0.0;  ///< processor time, smallest of several repeats
+  std::vector<double> errors =
+      {};  ///< of each quantity at the end of the run; empty when the run failed
+  double constraint_error = 0.0;  ///< largest |C| over the run
+  double energy_error = 0.0;      ///< largest change of the energy balance over the run [J]
+  std::string failure = {};       ///< why the run stopped, in words; empty when it did not
 };
 
-/// A ladder of ever smaller steps for a list of methods.
+/// A ladder of ever smaller steps for a list of methods, or of tolerances, each a tenth of the
+/// last, for those that choose their own steps.
 struct Ladder {
   std::vector<Method> methods;
   double duration;  ///< [s]
-  double coarsest;  ///< the first step [s]; each further one is half of the last
+  double coarsest;  ///< the first step [s], each further one half of the last; a method of more
+                    ///< evaluations a step than RK4 begins with a step as much longer
   int rungs = 12;   ///< at most; at least 8 are climbed
   long most_steps = 1L << 22;
 };

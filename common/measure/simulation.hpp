@@ -61,12 +61,15 @@ class Simulation {
 
   /// Back to the start; the count of evaluations begins again.
   virtual void restart() = 0;
-  /// Moves on by `steps` steps of h [s]. Throws Diverged when the state is no longer finite.
+  /// Moves on by `steps` steps of h [s], each in as many parts as a method with a tolerance takes.
+  /// Throws Diverged when the state is no longer finite or the method cannot take its step.
   virtual void advance(long steps, double h) = 0;
 
   virtual double time() const = 0;
   /// How often q̈ = a(t, q, v) was evaluated: the cost that no clock blurs.
   virtual long evaluations() const = 0;
+  /// How many steps the integrator has taken.
+  virtual long steps() const = 0;
   // These two may use the model's workspace.
   virtual Measures measures() = 0;
   virtual Row row() = 0;
@@ -102,7 +105,7 @@ class Motion final : public Simulation {
 
   Motion(M model, const Method& method)
       : model_(std::move(model)),
-        integrator_(method.integrator, model_.initial_position()),
+        integrator_(method.integrator, model_.initial_position(), method.tolerance),
         projected_(method.stabilization == Stabilization::projection) {
     restart();
   }
@@ -110,8 +113,9 @@ class Motion final : public Simulation {
   void restart() override {
     q_ = model_.initial_position();
     v_ = model_.initial_velocity();
+    integrator_.restart();
     t_ = t_anchor_ = h_ = 0.0;
-    steps_since_anchor_ = evaluations_ = 0;
+    intervals_since_anchor_ = steps_ = evaluations_ = 0;
   }
 
   // [loop]
@@ -122,18 +126,22 @@ class Motion final : public Simulation {
       model_.acceleration(t, q, v, a);
     };
     for (long i = 0; i < steps; ++i) {
-      integrator_.step(acceleration, t_, q_, v_, h);
-      if constexpr (requires { model_.project(q_, v_); })
-        if (projected_) model_.project(q_, v_);
-      t_ = t_anchor_ + static_cast<double>(++steps_since_anchor_) * h;
-      if (!is_finite(q_) || !is_finite(v_))
-        throw Diverged(at(t_) + "the state is no longer finite");
+      const double end = t_anchor_ + static_cast<double>(++intervals_since_anchor_) * h;
+      for (double rest = h; rest > 0.0;) {
+        rest -= step(acceleration, rest);
+        if constexpr (requires { model_.project(q_, v_); })
+          if (projected_) model_.project(q_, v_);
+        t_ = end - rest;
+        if (!is_finite(q_) || !is_finite(v_))
+          throw Diverged(at(t_) + "the state is no longer finite");
+      }
     }
   }
   // [loop]
 
   double time() const override { return t_; }
   long evaluations() const override { return evaluations_; }
+  long steps() const override { return steps_; }
   Measures measures() override { return model_.measures(t_, q_, v_); }
   Columns columns() const override { return model_.columns(); }
   Row row() override {
@@ -155,11 +163,21 @@ class Motion final : public Simulation {
   const Vector& v() const { return v_; }
 
  private:
+  template <class Acceleration>
+  double step(Acceleration& acceleration, double h) {
+    ++steps_;
+    try {
+      return integrator_.step(acceleration, t_, q_, v_, h);
+    } catch (const integrators::NoStep& reason) {
+      throw Diverged(at(t_) + reason.what());
+    }
+  }
+
   /// t = t_anchor + n h, not a running sum, which would gather rounding over a million steps.
   void anchor(double h) {
     t_anchor_ = t_;
     h_ = h;
-    steps_since_anchor_ = 0;
+    intervals_since_anchor_ = 0;
   }
 
   M model_;
@@ -167,7 +185,7 @@ class Motion final : public Simulation {
   bool projected_;
   Vector q_, v_;
   double t_, t_anchor_, h_;
-  long steps_since_anchor_, evaluations_;
+  long intervals_since_anchor_, steps_, evaluations_;
 };
 
 }  // namespace measure

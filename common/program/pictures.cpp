@@ -24,6 +24,26 @@ std::string figure(double value, int digits) {
   return scientific.substr(0, e) + "·10" + power;
 }
 
+namespace {
+
+/// An integrator has a colour, a stabilization a dash.
+struct Look {
+  std::size_t color;
+  draw::Dash dash;
+};
+Look look(const std::string& method) {
+  const auto& integrators = integrators::methods;
+  Look look{0, draw::Dash::solid};
+  while (look.color < integrators.size() && !method.starts_with(integrators[look.color].text))
+    ++look.color;
+  if (method.find("adaptive") != std::string::npos) ++look.color;
+  if (method.ends_with("feedback")) look.dash = draw::Dash::dotted;
+  if (method.ends_with("projection")) look.dash = draw::Dash::dashed;
+  return look;
+}
+
+}  // namespace
+
 Picture error_picture(const Report& report) {
   const measure::Quantity& quantity = report.quantities.front();
   draw::Plot plot;
@@ -31,16 +51,19 @@ Picture error_picture(const Report& report) {
   plot.y = {.label = fmt::format("error of {} after {:g} s [{}]", quantity.name, report.duration,
                                  quantity.unit),
             .log = true};
+  std::vector<std::size_t> colors;
   std::string cheapest;
   double least = 1e300;
   for (const std::string& method : methods(report)) {
     draw::Curve curve;
     curve.label = method == "rk4" ? "rk4 (the article's choice)" : method;
     curve.markers = true;
+    curve.dash = look(method).dash;
+    colors.push_back(look(method).color);
     curve.thickness = method == "rk4" ? 2.6 : 1.6;
     draw::Slope slope;
     for (const measure::Rung& rung : report.rungs) {
-      if (rung.method != method || rung.errors.empty()) continue;
+      if (rung.method != method || rung.errors.empty() || rung.errors[0] <= 0.0) continue;
       curve.points.push_back({1e3 * rung.seconds, rung.errors[0]});
       slope.order = -rung.order;  // time grows as 1/h
       slope.label = fmt::format("order {}", rung.order);
@@ -49,7 +72,13 @@ Picture error_picture(const Report& report) {
     const bool known = std::any_of(plot.slopes.begin(), plot.slopes.end(),
                                    [&](const draw::Slope& s) { return s.order == slope.order; });
     if (!known && curve.points.size() > 2) {
-      const draw::Point middle = curve.points[curve.points.size() / 2];
+      const auto [least_error, most_error] = std::minmax_element(
+          curve.points.begin(), curve.points.end(), [](auto& a, auto& b) { return a.y < b.y; });
+      const double half_way = std::sqrt(least_error->y * most_error->y);
+      const draw::Point middle =
+          *std::min_element(curve.points.begin(), curve.points.end(), [&](auto& a, auto& b) {
+            return std::abs(std::log(a.y / half_way)) < std::abs(std::log(b.y / half_way));
+          });
       slope.through = {middle.x, 0.2 * middle.y};
       plot.slopes.push_back(slope);
     }
@@ -66,8 +95,11 @@ Picture error_picture(const Report& report) {
                              "An error of 10⁻⁶ {} costs least with {}: {} ms. Where a curve turns "
                              "flat, rounding is all that is left.",
                              quantity.unit, cheapest, figure(1e3 * least));
-  return {"error_vs_time", [=, title = report.title](draw::Pen& pen) {
-            draw::draw_plot(pen, draw::page(pen, "Error against run time", caption), plot);
+  return {"error_vs_time", [=](draw::Pen& pen) {
+            draw::Plot themed = plot;
+            for (std::size_t i = 0; i < colors.size(); ++i)
+              themed.curves[i].color = pen.theme().series[colors[i]];
+            draw::draw_plot(pen, draw::page(pen, "Error against run time", caption), themed);
           }};
 }
 

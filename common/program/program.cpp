@@ -22,9 +22,9 @@ constexpr double most_steps = 1e8;  // some minutes of work
 /// What the command line asks for, beside the scene's parameters.
 struct Request {
   RunOptions run;
-  bool integrator_given = false;
+  bool integrator_given = false, step_given = false;
   std::optional<measure::Stabilization> stabilization;
-  std::optional<double> ks, kd;
+  std::optional<double> ks, kd, tolerance;
   std::string out = ".";
 #ifdef TUTORIAL_PICTURES
   draw::Page page;
@@ -113,12 +113,22 @@ void add_method(CLI::App& app, const Chapter& chapter, Request& request) {
 }
 
 void add_times(CLI::App& app, Request& request, const std::string& step_help) {
+  add_number(app, "--tolerance", "",
+             "error of a step, relative to the state, with which dop853 chooses its own steps, of "
+             "--step at most (then by default a fiftieth of --duration)",
+             {measure::finest_tolerance, 0.1},
+             [&request](double tolerance) { request.tolerance = tolerance; })
+      ->group("Method");
   add_number(app, "--duration", "s",
              fmt::format("time simulated (default {:g})", request.run.duration), positive,
              [&request](double s) { request.run.duration = s; })
       ->group("Method");
   add_number(app, "--step", "s", fmt::format("{} (default {:g})", step_help, request.run.step),
-             positive, [&request](double s) { request.run.step = s; })
+             positive,
+             [&request](double s) {
+               request.run.step = s;
+               request.step_given = true;
+             })
       ->group("Method");
 }
 
@@ -194,6 +204,13 @@ void settle(Request& request) {
     throw UsageError(fmt::format("--{} {:g}: allowed only with --stabilization feedback",
                                  request.ks ? "ks" : "kd", request.ks ? *request.ks : *request.kd));
   }
+  if (request.tolerance) {
+    if (run.method.integrator != integrators::Name::dop853)
+      throw UsageError(fmt::format("--tolerance {:g}: allowed only with --integrator dop853",
+                                   *request.tolerance));
+    run.method.tolerance = *request.tolerance;
+    if (!request.step_given) run.step = run.duration / 50.0;
+  }
   if (run.duration / run.step > most_steps)
     throw UsageError(
         fmt::format("--step {:g}: allowed is {:g} or more, for at most {:g} steps in {:g} s",
@@ -212,7 +229,7 @@ double rounded_down(double value) {
 /// Once, when the feedback itself is unstable at this step.
 void warn_of_gains(const RunOptions& run) {
   const auto& method = run.method;
-  if (method.stabilization != measure::Stabilization::feedback) return;
+  if (method.stabilization != measure::Stabilization::feedback || method.tolerance > 0.0) return;
   if (integrators::amplification(method.integrator, run.step, method.ks, method.kd) <= 1.0 + 1e-12)
     return;
   say(fmt::format(
@@ -287,8 +304,12 @@ void print_summary(const Chapter& chapter, const RunOptions& run,
     fmt::print("  {:<28}{:>12.3g} {}\n", name, value, unit);
   };
   fmt::print("{}: {}\n", chapter.title, run.method.label());
-  fmt::print("{:g} s simulated with a step of {:g} s: {} evaluations of the acceleration\n", last.t,
-             run.step, simulation.evaluations());
+  const std::string steps = run.method.tolerance > 0.0
+                                ? fmt::format("in {} steps of its own choice, tolerance {:g}",
+                                              simulation.steps(), run.method.tolerance)
+                                : fmt::format("with a step of {:g} s", run.step);
+  fmt::print("{:g} s simulated {}: {} evaluations of the acceleration\n", last.t, steps,
+             simulation.evaluations());
   if (run.method.stabilization == measure::Stabilization::feedback)
     fmt::print("feedback: ks = {:g} 1/s², kd = {:g} 1/s, h√ks = {:.3g}\n", run.method.ks,
                run.method.kd, run.step * std::sqrt(run.method.ks));
@@ -514,7 +535,8 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
 #endif
   add_scene(*report, chapter);
   add_method(*report, chapter, ladder_request);
-  add_times(*report, ladder_request, "coarsest step, halved from row to row");
+  add_times(*report, ladder_request,
+            "coarsest step, halved from row to row; three times as long for dop853");
   add_out(*report, ladder_request);
   report->callback([&] {
     settle(ladder_request);
@@ -545,7 +567,8 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
     return complain(error.what(), 2);
   } catch (const measure::Diverged& diverged) {
     return complain(
-        fmt::format("stopped {}; try a smaller --step or another --integrator", diverged.what()),
+        fmt::format("stopped {}; try a smaller --step or another --integrator{}", diverged.what(),
+                    request.tolerance ? ", or a larger --tolerance" : ""),
         1);
   } catch (const std::exception& error) {
     return complain(error.what(), 1);

@@ -21,7 +21,7 @@ std::vector<std::string> split(const std::string& line, char separator) {
 }
 
 std::string order_text(const measure::Rung* coarse, const measure::Rung& fine, std::size_t k) {
-  if (coarse == nullptr) return "";
+  if (coarse == nullptr || fine.tolerance > 0.0) return "";
   const double order = measure::observed_order(*coarse, fine, k);
   return std::isfinite(order) ? fmt::format("{:.2f}", order) : "";
 }
@@ -93,7 +93,9 @@ std::string table(const Report& report) {
       coarse = nullptr;
       text += "\n";
     }
-    text += fmt::format("{:<28}{:>12.6g}", rung.method, rung.step);
+    text += rung.tolerance > 0.0
+                ? fmt::format("{:<28}{:>12}", rung.method, fmt::format("tol {:g}", rung.tolerance))
+                : fmt::format("{:<28}{:>12.6g}", rung.method, rung.step);
     if (rung.errors.empty()) {
       text += fmt::format("  failed: {}\n", rung.failure);
     } else {
@@ -114,13 +116,14 @@ std::string csv(const Report& report) {
   for (const auto& quantity : report.quantities)
     text += fmt::format("# quantity: {}|{}\n", quantity.name, quantity.unit);
   for (const std::string& line : report.machine) text += fmt::format("# machine: {}\n", line);
-  text += "method,order,step,steps,evaluations,seconds,constraint_error,energy_error,failure";
+  text +=
+      "method,order,tolerance,step,steps,evaluations,seconds,constraint_error,energy_error,failure";
   for (const auto& quantity : report.quantities) text += "," + quantity.name + "_error";
   text += "\n";
   for (const measure::Rung& r : report.rungs) {
-    text += fmt::format("{},{},{:.17g},{},{},{:.6g},{:.17g},{:.17g},{}", r.method, r.order, r.step,
-                        r.steps, r.evaluations, r.seconds, r.constraint_error, r.energy_error,
-                        r.failure);
+    text += fmt::format("{},{},{:g},{:.17g},{},{},{:.6g},{:.17g},{:.17g},{}", r.method, r.order,
+                        r.tolerance, r.step, r.steps, r.evaluations, r.seconds, r.constraint_error,
+                        r.energy_error, r.failure);
     for (std::size_t k = 0; k < report.quantities.size(); ++k)
       text += r.errors.empty() ? "," : fmt::format(",{:.17g}", r.errors[k]);
     text += "\n";
@@ -148,18 +151,19 @@ Report read_csv(const std::filesystem::path& path) {
         header_seen = true;
       } else {
         const std::vector<std::string> cells = split(line, ',');
-        measure::Rung rung{cells.at(0),
-                           std::stoi(cells.at(1)),
-                           std::stod(cells.at(2)),
-                           std::stol(cells.at(3)),
-                           std::stol(cells.at(4)),
-                           std::stod(cells.at(5)),
-                           {},
-                           std::stod(cells.at(6)),
-                           std::stod(cells.at(7)),
-                           cells.at(8)};
+        measure::Rung rung{.method = cells.at(0),
+                           .order = std::stoi(cells.at(1)),
+                           .tolerance = std::stod(cells.at(2)),
+                           .step = std::stod(cells.at(3)),
+                           .steps = std::stol(cells.at(4)),
+                           .evaluations = std::stol(cells.at(5)),
+                           .seconds = std::stod(cells.at(6)),
+                           .constraint_error = std::stod(cells.at(7)),
+                           .energy_error = std::stod(cells.at(8)),
+                           .failure = cells.at(9)};
         if (rung.failure.empty())
-          for (std::size_t k = 9; k < cells.size(); ++k) rung.errors.push_back(std::stod(cells[k]));
+          for (std::size_t k = 10; k < cells.size(); ++k)
+            rung.errors.push_back(std::stod(cells[k]));
         report.rungs.push_back(rung);
       }
     } catch (const std::logic_error&) {  // std::out_of_range, std::invalid_argument
