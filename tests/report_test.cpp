@@ -123,10 +123,12 @@ TEST_CASE("a report survives its own file") {
   const auto folder =
       std::filesystem::temp_directory_path() / ("report_test_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
-  const program::Report before = report({});
+  program::Report before = report({});
+  before.remark = "why";
   program::write_file(folder / "r.csv", program::csv(before));
   const program::Report after = program::read_csv(folder / "r.csv");
   CHECK(program::csv(after) == program::csv(before));
+  CHECK(after.remark == "why");
   CHECK(program::table(after).size() > 100);
   std::ofstream(folder / "broken.csv") << "method,order\nrk4,four\n";
   CHECK_THROWS_WITH(program::read_csv(folder / "broken.csv"), Catch::Contains("does not fit"));

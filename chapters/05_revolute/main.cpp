@@ -24,7 +24,8 @@ void report_cost(const std::filesystem::path& out) {
   program::write_file(out / "cost_vs_links.csv", revolute::csv(costs));
   fmt::print("{}\n", (out / "cost_vs_links.csv").string());
 #ifdef TUTORIAL_PICTURES
-  const program::Picture picture = revolute::cost_picture(costs);
+  const program::Picture picture =
+      revolute::cost_picture(revolute::read_costs(out / "cost_vs_links.csv"));
   program::write_file(out / (picture.name + ".png"),
                       draw::encode_png(draw::render({}, picture.draw)));
   fmt::print("{}\n", (out / (picture.name + ".png")).string());

@@ -251,8 +251,9 @@ class Plotter {
   void draw_marker(Point at, std::size_t i) {
     const std::size_t shape = i % 5;
     const Color fill = color(i), edge = pen_.theme().paper;
+    const double radius = plot_.curves[i].marker_size * marker_radius;
     if (shape == 0) {
-      pen_.circle(at, marker_radius, fill, edge, 1);
+      pen_.circle(at, radius, fill, edge, 1);
       return;
     }
     static constexpr std::array<int, 5> corner_counts{0, 4, 3, 4, 3};
@@ -264,7 +265,7 @@ class Plotter {
     std::vector<Point> outline;
     for (int k = 0; k < corners; ++k) {
       const double phi = turn + 2 * std::numbers::pi * k / corners;
-      outline.push_back(at + 1.25 * marker_radius * Point{std::cos(phi), std::sin(phi)});
+      outline.push_back(at + 1.25 * radius * Point{std::cos(phi), std::sin(phi)});
     }
     pen_.polygon(outline, fill, edge, 1);
   }

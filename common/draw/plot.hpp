@@ -23,6 +23,7 @@ struct Curve {
   Dash dash = Dash::solid;
   double thickness = 1.8;
   bool markers = false;
+  double marker_size = 1.0;  ///< relative to the usual one
   bool line = true;
 };
 

@@ -37,13 +37,15 @@ struct Chapter {
 
   /// The methods, steps and duration of `report`.
   measure::Ladder ladder;
+  /// Said under its plot: why the curves end as they do.
+  std::string remark = "Where a curve turns flat, rounding is all that is left.";
   /// What `report` measures besides: writes its files into the folder and prints their names.
   std::function<void(const std::filesystem::path& out)> also_report;
   /// Sets what `report` needs where the reader has left it at its default.
   std::function<void()> before_report;
 
 #ifdef TUTORIAL_PICTURES
-  /// The pictures of the lesson.
+  /// The pictures of the lesson; empty for a scene that has none, and no `snapshot`.
   std::function<std::vector<Picture>(const RunOptions&)> pictures;
   /// The scene at time t [s], for --at.
   std::function<Picture(const RunOptions&, double t)> picture_at;

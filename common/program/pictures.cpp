@@ -89,12 +89,11 @@ Picture error_picture(const Report& report) {
       cheapest = method;
     }
   }
-  const std::string caption =
-      cheapest.empty() ? fmt::format("No method comes below 10⁻⁶ {} here.", quantity.unit)
-                       : fmt::format(
-                             "An error of 10⁻⁶ {} costs least with {}: {} ms. Where a curve turns "
-                             "flat, rounding is all that is left.",
-                             quantity.unit, cheapest, figure(1e3 * least));
+  const std::string price = cheapest.empty()
+                                ? fmt::format("No method comes below 10⁻⁶ {} here.", quantity.unit)
+                                : fmt::format("An error of 10⁻⁶ {} costs least with {}: {} ms.",
+                                              quantity.unit, cheapest, figure(1e3 * least));
+  const std::string caption = price + " " + report.remark;
   return {"error_vs_time", [=](draw::Pen& pen) {
             draw::Plot themed = plot;
             for (std::size_t i = 0; i < colors.size(); ++i)

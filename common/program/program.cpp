@@ -403,7 +403,8 @@ void report_command(const Chapter& chapter, const Request& request) {
         ladder.coarsest, ladder.duration / static_cast<double>(ladder.most_steps >> 7),
         ladder.most_steps));
   Report report{chapter.title,      ladder.duration,    chapter.constraint_unit,
-                chapter.quantities, measure::machine(), {}};
+                chapter.quantities, measure::machine(), {},
+                chapter.remark};
   {
     Progress progress;
     report.rungs =
@@ -412,17 +413,17 @@ void report_command(const Chapter& chapter, const Request& request) {
   }
   fmt::print("{}", table(report));
   const std::filesystem::path out(request.out);
-  std::vector<std::pair<std::filesystem::path, std::string>> files{
-      {out / "error_vs_time.csv", csv(report)}};
-#ifdef TUTORIAL_PICTURES
-  files.emplace_back(out / "error_vs_time.png",
-                     draw::encode_png(draw::render(request.page, error_picture(report).draw)));
-#endif
   fmt::print("\n");
-  for (const auto& [path, content] : files) {
+  const auto write = [](const std::filesystem::path& path, const std::string& content) {
     write_file(path, content);
     fmt::print("{}\n", path.string());
-  }
+  };
+  write(out / "error_vs_time.csv", csv(report));
+#ifdef TUTORIAL_PICTURES
+  // Drawn from the file, digit for digit, as whoever draws it later will.
+  const Picture picture = error_picture(read_csv(out / "error_vs_time.csv"));
+  write(out / "error_vs_time.png", draw::encode_png(draw::render(request.page, picture.draw)));
+#endif
   if (chapter.also_report) chapter.also_report(out);
 }
 
@@ -515,15 +516,17 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
   });
 
 #ifdef TUTORIAL_PICTURES
-  CLI::App* snapshot = app.add_subcommand("snapshot", "PNG pictures of the scene");
-  add_scene(*snapshot, chapter);
-  add_method(*snapshot, chapter, request);
-  add_times(*snapshot, request, "step of the integrator");
-  add_page(*snapshot, request);
-  snapshot->callback([&] {
-    settle(request);
-    snapshot_command(chapter, request);
-  });
+  if (chapter.pictures) {
+    CLI::App* snapshot = app.add_subcommand("snapshot", "PNG pictures of the scene");
+    add_scene(*snapshot, chapter);
+    add_method(*snapshot, chapter, request);
+    add_times(*snapshot, request, "step of the integrator");
+    add_page(*snapshot, request);
+    snapshot->callback([&] {
+      settle(request);
+      snapshot_command(chapter, request);
+    });
+  }
 #endif
 
   CLI::App* report = app.add_subcommand(

@@ -116,6 +116,7 @@ std::string csv(const Report& report) {
   for (const auto& quantity : report.quantities)
     text += fmt::format("# quantity: {}|{}\n", quantity.name, quantity.unit);
   for (const std::string& line : report.machine) text += fmt::format("# machine: {}\n", line);
+  if (!report.remark.empty()) text += fmt::format("# remark: {}\n", report.remark);
   text +=
       "method,order,tolerance,step,steps,evaluations,seconds,constraint_error,energy_error,failure";
   for (const auto& quantity : report.quantities) text += "," + quantity.name + "_error";
@@ -144,6 +145,7 @@ Report read_csv(const std::filesystem::path& path) {
         if (name == "title") report.title = value;
         if (name == "duration") report.duration = std::stod(value);
         if (name == "constraint_unit") report.constraint_unit = value;
+        if (name == "remark") report.remark = value;
         if (name == "machine") report.machine.push_back(value);
         if (name == "quantity")
           report.quantities.push_back({split(value, '|').at(0), split(value, '|').at(1)});

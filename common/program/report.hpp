@@ -16,6 +16,7 @@ struct Report {
   std::vector<measure::Quantity> quantities;
   std::vector<std::string> machine;  ///< "name: value" lines
   std::vector<measure::Rung> rungs;
+  std::string remark = {};  ///< on how the curves end, for the plot
 };
 
 /// The levels of error whose price the reader asks for.

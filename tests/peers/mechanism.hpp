@@ -1,0 +1,15 @@
+#pragma once
+
+#include "05_revolute/scene.hpp"
+#include "07_slider_crank/scene.hpp"
+#include "model.hpp"
+
+namespace peers {
+
+/// The model as the chapter has it. Its joints stand in the model's order: the pins, then the rail.
+inline program::Mechanism make_mechanism(const Model& model, const measure::Method& method = {}) {
+  if (model.rail) return ::slider_crank::make_mechanism({}, method);
+  return revolute::make_mechanism({.links = double(model.size())}, method);
+}
+
+}  // namespace peers
