@@ -108,6 +108,12 @@ TEST_CASE("a method that cannot take its step ends the run with the time and the
   CHECK(std::isfinite(motion.q()));
 }
 
+TEST_CASE("a run that diverges says when and which coordinate") {
+  measure::Motion<Oscillator> motion(Oscillator{.blow_up_after = 1.5}, {});
+  CHECK_THROWS_WITH(motion.advance(30, 0.1),
+                    Catch::Contains("at t = 1.") && Catch::Contains("v is no longer finite"));
+}
+
 TEST_CASE("a failed run is a row that says why") {
   const program::Report result = report({.blow_up_after = 1.5});
   REQUIRE(!result.rungs.empty());
@@ -136,7 +142,7 @@ TEST_CASE("a report survives its own file") {
   std::filesystem::remove_all(folder);
 }
 
-TEST_CASE("time to reach is the cheapest run below the level") {
+TEST_CASE("time to reach is where the runs come below the level to stay") {
   program::Report result{"t", 1.0, "m", {{"q", "m"}}, {}, {}};
   const auto add = [&](double seconds, const std::vector<double>& error) {
     result.rungs.push_back(
@@ -146,9 +152,12 @@ TEST_CASE("time to reach is the cheapest run below the level") {
   add(1.0, {1e-2});
   add(2.0, {1e-4});
   add(3.0, {1e-5});
-  CHECK(program::time_to_reach(result, "rk4", 1e-3) == 2.0);
+  CHECK(program::time_to_reach(result, "rk4", 1e-3) == Approx(std::sqrt(2.0)));
   CHECK(program::time_to_reach(result, "rk4", 1e-2) == 1.0);
   CHECK(std::isinf(program::time_to_reach(result, "rk4", 1e-9)));
+  add(4.0, {5e-4});  // below 1e-3, but no longer below 1e-4
+  CHECK(program::time_to_reach(result, "rk4", 1e-3) == Approx(std::sqrt(2.0)));
+  CHECK(std::isinf(program::time_to_reach(result, "rk4", 1e-4)));
 }
 
 TEST_CASE("a file appears whole or not at all") {

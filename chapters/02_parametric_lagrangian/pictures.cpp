@@ -160,15 +160,14 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
   std::vector<draw::Dash> dashes;
   std::vector<int> colors;
   using enum integrators::Name;
-  for (int i = 0; const auto integrator : {explicit_euler, semi_implicit_euler, rk4}) {
+  for (const auto integrator : {explicit_euler, semi_implicit_euler, rk4}) {
     Implicit implicit(ImplicitBead(scene), {.integrator = integrator});
     Parametric parametric(ParametricBead(scene), {.integrator = integrator});
     const std::string name(integrators::method(integrator).text);
     drifts.push_back(program::drift("implicit, " + name, implicit, run.duration, run.step));
     drifts.push_back(program::drift("parametric, " + name, parametric, run.duration, run.step));
     dashes.insert(dashes.end(), {draw::Dash::solid, draw::Dash::dashed});
-    colors.insert(colors.end(), {i, i});
-    ++i;
+    colors.insert(colors.end(), 2, static_cast<int>(integrator));
   }
   const std::string caption = fmt::format(
       "RK4, step {:g} s, {:g} s: the implicit particle strays to |C| = {} m², the "

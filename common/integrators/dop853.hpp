@@ -142,13 +142,14 @@ class Dop853 {
 
   /// The error of the step in units of the tolerance.
   double estimate(const Vector& q, const Vector& v, double h) {
-    // What counts as the size of q and v: also how far they move, since either may pass through 0;
-    // and no less than a millionth of the unit, so that noise about rest is not resolved.
-    constexpr double least = 1e-6;
+    // The size of q and v is also how far they move, since either may pass through 0. What is below
+    // the rounding of the unit is not resolved, so that noise about rest is not.
+    constexpr double epsilon = std::numeric_limits<double>::epsilon();
     const double rate = norm(v) + h * norm(a_[0]);
-    const double q_scale = std::max(least, norm(q) + h * rate), v_scale = std::max(least, rate);
+    const double q_allowed = tolerance_ * (norm(q) + h * rate) + epsilon;
+    const double v_allowed = tolerance_ * rate + epsilon;
     const auto relative = [&](double q_error, double v_error) {
-      return h / tolerance_ * std::hypot(q_error / q_scale, v_error / v_scale);
+      return h * std::hypot(q_error / q_allowed, v_error / v_allowed);
     };
     const double five = relative(size<dop853::error_5>(v_), size<dop853::error_5>(a_));
     const double three = relative(size<dop853::error_3>(v_), size<dop853::error_3>(a_));

@@ -10,16 +10,17 @@
 namespace integrators {
 
 /// The implicit midpoint rule, order 2: the rates are those of the point halfway, which the step
-/// itself has to find. Symplectic, so that energy errors stay bounded over long times, and stable
-/// for an oscillation at every step length: the method for stiff forces.
+/// itself has to find. Stable for an oscillation at every step length: the method for stiff forces.
+/// Symplectic, so that energy errors stay bounded over long times, where no constraint turns the
+/// equations into others.
 ///
 /// With x the velocity halfway, the equation of the step is
 ///
 ///     R(x) = x − v − h/2 a(t + h/2, q + h/2 x, x) = 0,     then  q += h x,   v ← 2x − v.
 ///
-/// Newton's method solves it to rounding, with R' ≈ I while that is good enough, which it is for
-/// small h. Once corrections shrink too slowly R' is found by finite differences, and kept from
-/// step to step for as long as it serves.
+/// Newton's method solves it to rounding, that of stiff forces if there are any, with R' ≈ I while
+/// that is good enough, which it is for small h. Once corrections shrink too slowly R' is found by
+/// finite differences, and kept from step to step for as long as it serves.
 ///
 /// `Vector` is the type of q and of v: double, or a fixed-size or dynamic Eigen vector.
 /// The constructor takes one vector of the right size; a step allocates nothing.
@@ -32,8 +33,8 @@ class ImplicitMidpoint {
         a_(like),
         s_(like),
         r_(like),
-        R_prime_(Matrix::Identity(column(x_).size(), column(x_).size())),
-        lu_(R_prime_) {
+        R_prime_(Matrix::Zero(column(x_).size(), column(x_).size())),
+        lu_(room(column(x_).size())) {
     restart();
   }
 
@@ -70,7 +71,7 @@ class ImplicitMidpoint {
       if (!slow) continue;
       if (correction <= 1e-10 * (size + column(q).norm() / h)) break;
       if (renewals++ == 20) throw NoStep("the equation of the implicit step was not solved");
-      if (!stiff_) x_ = v;  // where R' ≈ I has led must not be trusted
+      if (renewals == 1) x_ = v;  // where another R' has led must not be trusted
       find_R_prime(minus_R);
       before = std::numeric_limits<double>::infinity();
     }
@@ -110,9 +111,19 @@ class ImplicitMidpoint {
   }
   using Matrix = Eigen::Matrix<double, n(), n()>;
 
+  using Lu = Eigen::PartialPivLU<Matrix>;
+
+  /// Room for a factorisation, without making one of a large matrix.
+  static Lu room(Eigen::Index size) {
+    if constexpr (n() == Eigen::Dynamic)
+      return Lu(size);
+    else
+      return Lu(Matrix::Identity(size, size));
+  }
+
   Vector x_, q_, a_, s_, r_;  // s: the correction of x, r: −R(x)
   Matrix R_prime_;
-  Eigen::PartialPivLU<Matrix> lu_;
+  Lu lu_;
   bool stiff_ = false;
 };
 

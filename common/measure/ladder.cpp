@@ -97,11 +97,8 @@ std::vector<Rung> climb(const Ladder& ladder, const Start& start, const Errors& 
       const Intervals intervals{number, ladder.duration / static_cast<double>(number)};
       if (i > 0 && method.tolerance > 0.0) method.tolerance /= 10.0;
       if (method.tolerance > 0.0 && method.tolerance < 0.5 * finest_tolerance) break;
-      Rung rung{.method = method.label(),
-                .order = integrator.order,
-                .tolerance = method.tolerance,
-                .step = intervals.length,
-                .steps = intervals.number};
+      Rung rung{.method = method.label(), .order = integrator.order, .tolerance = method.tolerance};
+      if (method.tolerance == 0.0) rung.step = intervals.length, rung.steps = intervals.number;
       progress(done++ / all, rung.method);
       const auto simulation = start(method);
       try {

@@ -48,7 +48,7 @@ using Errors = std::function<std::vector<double>(const Row&)>;
 using Progress = std::function<void(double done, const std::string& what)>;
 
 /// Runs the ladder. `errors(row)` compares the last row of a run with the exact answer; the first
-/// quantity is the one by which a curve ends: two rungs after its error has stopped falling, since
+/// quantity is the one by which a curve ends: a rung after its error has stopped falling, since
 /// from there on rounding is all that is measured.
 std::vector<Rung> climb(const Ladder& ladder, const Start& start, const Errors& errors,
                         const Progress& progress);

@@ -51,13 +51,14 @@ inline std::vector<Method> every_integrator(Stabilization stabilization = Stabil
 }
 
 /// What a report of a scene with constraints compares: every integrator alone, RK4 with feedback
-/// and with projection, dop853 with projection in given steps and in its own.
+/// and with projection, dop853 with projection and without, in given steps and in its own.
 inline std::vector<Method> methods_to_compare(double ks, double kd) {
   using enum integrators::Name;
   std::vector<Method> methods = every_integrator();
   methods.push_back({rk4, Stabilization::feedback, ks, kd});
   methods.push_back({rk4, Stabilization::projection});
   methods.push_back({dop853, Stabilization::projection});
+  methods.push_back({dop853, Stabilization::none, 0.0, 0.0, coarsest_tolerance});
   methods.push_back({dop853, Stabilization::projection, 0.0, 0.0, coarsest_tolerance});
   return methods;
 }

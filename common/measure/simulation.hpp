@@ -47,10 +47,10 @@ struct Diverged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// "at t = 3.2 s ", for such a message.
+/// "at t = 3.2 s: ", for such a message.
 inline std::string at(double t) {
   std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), "at t = %.6g s ", t);
+  std::snprintf(text.data(), text.size(), "at t = %.6g s: ", t);
   return text.data();
 }
 
@@ -133,7 +133,7 @@ class Motion final : public Simulation {
           if (projected_) model_.project(q_, v_);
         t_ = end - rest;
         if (!is_finite(q_) || !is_finite(v_))
-          throw Diverged(at(t_) + "the state is no longer finite");
+          throw Diverged(at(t_) + first_not_finite() + " is no longer finite");
       }
     }
   }
@@ -171,6 +171,16 @@ class Motion final : public Simulation {
     } catch (const integrators::NoStep& reason) {
       throw Diverged(at(t_) + reason.what());
     }
+  }
+
+  /// The name of the first such entry of the state.
+  std::string first_not_finite() {
+    Row row{t_, {}, {}, {}};
+    model_.observe(t_, q_, v_, row);
+    const Columns names = model_.columns();
+    for (std::size_t i = 0; i < row.state.size(); ++i)
+      if (!std::isfinite(row.state[i])) return names.state[i];
+    return "the state";
   }
 
   /// t = t_anchor + n h, not a running sum, which would gather rounding over a million steps.

@@ -67,12 +67,21 @@ class Mechanism {
 
   Vector initial_position() const { return q_; }
   Vector initial_velocity() const { return v_; }
-  const std::vector<std::string>& notes() const { return notes_; }
+  std::vector<std::string> notes() const {
+    std::vector<std::string> notes = notes_;
+    if (left_open_ > 0)
+      notes.push_back(
+          fmt::format("projection: {} times it could not bring the state back onto the constraints",
+                      left_open_));
+    return notes;
+  }
 
   void acceleration(double t, const Vector& q, const Vector& v, Vector& a) {
     system.acceleration(t, q, v, a);
   }
-  void project(Vector& q, Vector& v) { system.project(q, v); }
+  void project(Vector& q, Vector& v) {
+    if (!system.project(q, v).converged) ++left_open_;
+  }
 
   measure::Measures measures(double, const Vector& q, const Vector& v) {
     return {system.energy(q, v), system.constraint_error(q), system.velocity_error(q, v),
@@ -109,6 +118,7 @@ class Mechanism {
  private:
   std::vector<std::pair<std::string, Reaction>> reactions_;
   std::vector<std::string> fixed_, notes_;
+  long left_open_ = 0;
   Vector q_, v_, a_;
 };
 

@@ -62,8 +62,14 @@ Picture error_picture(const Report& report) {
     colors.push_back(look(method).color);
     curve.thickness = method == "rk4" ? 2.6 : 1.6;
     draw::Slope slope;
+    std::vector<draw::Point> points;
     for (const measure::Rung& rung : report.rungs) {
-      if (rung.method != method || rung.errors.empty() || rung.errors[0] <= 0.0) continue;
+      if (rung.method != method) continue;
+      if (rung.errors.empty() || rung.errors[0] <= 0.0) {  // a gap in the line
+        curve.points.push_back({std::nan(""), std::nan("")});
+        continue;
+      }
+      points.push_back({1e3 * rung.seconds, rung.errors[0]});
       curve.points.push_back({1e3 * rung.seconds, rung.errors[0]});
       slope.order = -rung.order;  // time grows as 1/h
       slope.label = fmt::format("order {}", rung.order);
@@ -71,12 +77,12 @@ Picture error_picture(const Report& report) {
     // A reference line for every order once, a little below the first curve that has it.
     const bool known = std::any_of(plot.slopes.begin(), plot.slopes.end(),
                                    [&](const draw::Slope& s) { return s.order == slope.order; });
-    if (!known && curve.points.size() > 2) {
+    if (!known && points.size() > 2) {
       const auto [least_error, most_error] = std::minmax_element(
-          curve.points.begin(), curve.points.end(), [](auto& a, auto& b) { return a.y < b.y; });
+          points.begin(), points.end(), [](auto& a, auto& b) { return a.y < b.y; });
       const double half_way = std::sqrt(least_error->y * most_error->y);
       const draw::Point middle =
-          *std::min_element(curve.points.begin(), curve.points.end(), [&](auto& a, auto& b) {
+          *std::min_element(points.begin(), points.end(), [&](auto& a, auto& b) {
             return std::abs(std::log(a.y / half_way)) < std::abs(std::log(b.y / half_way));
           });
       slope.through = {middle.x, 0.2 * middle.y};

@@ -37,7 +37,7 @@ std::string with_unit(std::string unit) {
   for (const auto& [sign, ascii] : {std::pair{"²", "^2"}, std::pair{"·", " "}})
     if (const std::size_t at = unit.find(sign); at != std::string::npos)
       unit.replace(at, std::string_view(sign).size(), ascii);
-  return unit.empty() ? "" : "[" + unit + "]";
+  return unit.empty() ? "X" : "[" + unit + "]";
 }
 
 CLI::Option* add_number(CLI::App& app, const std::string& option, const std::string& unit,
@@ -114,8 +114,8 @@ void add_method(CLI::App& app, const Chapter& chapter, Request& request) {
 
 void add_times(CLI::App& app, Request& request, const std::string& step_help) {
   add_number(app, "--tolerance", "",
-             "error of a step, relative to the state, with which dop853 chooses its own steps, of "
-             "--step at most (then by default a fiftieth of --duration)",
+             "dop853 chooses its own steps, each with an error of at most this part of the state, "
+             "1e-14 to 0.1; --step is then the longest, by default a fiftieth of --duration",
              {measure::finest_tolerance, 0.1},
              [&request](double tolerance) { request.tolerance = tolerance; })
       ->group("Method");
@@ -299,7 +299,7 @@ bool is_finite(const measure::Row& row) {
 
 void print_summary(const Chapter& chapter, const RunOptions& run,
                    const measure::Simulation& simulation, const measure::Row& last,
-                   const measure::Measures& largest) {
+                   const std::vector<double>& errors, const measure::Measures& largest) {
   const auto line = [](const std::string& name, double value, const std::string& unit) {
     fmt::print("  {:<28}{:>12.3g} {}\n", name, value, unit);
   };
@@ -319,7 +319,6 @@ void print_summary(const Chapter& chapter, const RunOptions& run,
   for (std::size_t i = 0; i < columns.state.size(); ++i)
     fmt::print("  {:<28}{:>20.12g}\n", columns.state[i], last.state[i]);
   fmt::print("\nerror against the exact answer, at the end\n");
-  const std::vector<double> errors = chapter.errors(last);
   if (errors.empty()) fmt::print("  none: there is no exact answer for this scene\n");
   for (std::size_t k = 0; k < errors.size(); ++k)
     line(chapter.quantities[k].name, errors[k], chapter.quantities[k].unit);
@@ -368,11 +367,12 @@ void run_command(const Chapter& chapter, const Request& request) {
       progress.show(static_cast<double>(done) / static_cast<double>(steps), "simulated");
     simulation->advance(1, done < steps ? run.step : rest);
   }
-  for (const double error : chapter.errors(last))
+  const std::vector<double> errors = chapter.errors(last);
+  for (const double error : errors)
     if (!std::isfinite(error))
       throw measure::Diverged(measure::at(last.t) + "the error is no longer finite");
   if (trajectory) trajectory->finish();
-  if (run.csv != "-") print_summary(chapter, run, *simulation, last, largest);
+  if (run.csv != "-") print_summary(chapter, run, *simulation, last, errors, largest);
 }
 
 // -------------------------------------------------------------------------------------------

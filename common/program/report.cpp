@@ -64,11 +64,24 @@ std::vector<std::string> methods(const Report& report) {
 }
 
 double time_to_reach(const Report& report, const std::string& method, double level) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const measure::Rung& rung : report.rungs)
-    if (rung.method == method && !rung.errors.empty() && rung.errors[0] <= level)
-      least = std::min(least, rung.seconds);
-  return least;
+  constexpr double never = std::numeric_limits<double>::infinity();
+  double reached = never;
+  const measure::Rung* before = nullptr;
+  for (const measure::Rung& rung : report.rungs) {
+    if (rung.method != method) continue;
+    if (rung.errors.empty() || rung.errors[0] > level) {
+      reached = never;
+    } else if (reached == never) {
+      reached = rung.seconds;
+      if (before != nullptr && !before->errors.empty() && rung.errors[0] > 0.0) {
+        const double part =
+            std::log(before->errors[0] / level) / std::log(before->errors[0] / rung.errors[0]);
+        reached = before->seconds * std::pow(rung.seconds / before->seconds, part);
+      }
+    }
+    before = &rung;
+  }
+  return reached;
 }
 
 std::string short_table(const Report& report) {
