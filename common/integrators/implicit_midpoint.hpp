@@ -65,11 +65,11 @@ class ImplicitMidpoint {
       if (!std::isfinite(correction)) break;  // the caller looks at the state
       const double size = column(x_).norm();
       if (correction <= 2.0 * epsilon * size) break;
-      // Forces so stiff that their rounding outweighs that of x end here.
+      // Forces so stiff that their rounding outweighs that of x end here, and noise about rest.
       const bool slow = correction > 0.1 * before;
       before = correction;
       if (!slow) continue;
-      if (correction <= 1e-10 * (size + column(q).norm() / h)) break;
+      if (correction <= 1e-10 * (size + column(q).norm() / h) + epsilon) break;
       if (renewals++ == 20) throw NoStep("the equation of the implicit step was not solved");
       if (renewals == 1) x_ = v;  // where another R' has led must not be trusted
       find_R_prime(minus_R);
