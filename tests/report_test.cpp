@@ -155,6 +155,8 @@ TEST_CASE("time to reach is where the runs come below the level to stay") {
   CHECK(program::time_to_reach(result, "rk4", 1e-3) == Approx(std::sqrt(2.0)));
   CHECK(program::time_to_reach(result, "rk4", 1e-2) == 1.0);
   CHECK(std::isinf(program::time_to_reach(result, "rk4", 1e-9)));
+  add(3.5, {});
+  CHECK(program::time_to_reach(result, "rk4", 1e-3) == Approx(std::sqrt(2.0)));
   add(4.0, {5e-4});  // below 1e-3, but no longer below 1e-4
   CHECK(program::time_to_reach(result, "rk4", 1e-3) == Approx(std::sqrt(2.0)));
   CHECK(std::isinf(program::time_to_reach(result, "rk4", 1e-4)));

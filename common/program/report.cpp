@@ -69,9 +69,9 @@ double time_to_reach(const Report& report, const std::string& method, double lev
   const measure::Rung* before = nullptr;
   for (const measure::Rung& rung : report.rungs) {
     if (rung.method != method) continue;
-    if (rung.errors.empty() || rung.errors[0] > level) {
+    if (!rung.errors.empty() && rung.errors[0] > level) {
       reached = never;
-    } else if (reached == never) {
+    } else if (!rung.errors.empty() && reached == never) {
       reached = rung.seconds;
       if (before != nullptr && !before->errors.empty() && rung.errors[0] > 0.0) {
         const double part =

@@ -22,8 +22,8 @@ struct Report {
 /// The levels of error whose price the reader asks for.
 inline constexpr double error_levels[] = {1e-3, 1e-6, 1e-9};
 
-/// The processor time [s] from which on all of a method's runs stay below the level, interpolated
-/// between the rungs on both sides of it; infinite if the last is not below.
+/// The processor time [s] from which on all of a method's runs, failed ones aside, stay below the
+/// level, interpolated between the rungs on both sides of it; infinite if the last is not below.
 double time_to_reach(const Report& report, const std::string& method, double level);
 
 /// The methods of the report, in the order of its rungs.
