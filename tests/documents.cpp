@@ -8,6 +8,9 @@
 //   <!-- output: COMMAND -->      what the shell command prints in SOURCE; the programs are on its
 //   path
 //   <!-- report: CSV -->          the short table of a saved report
+//   <!-- cases: CSV -->           the table of saved stability cases; likewise
+//   <!-- maps: CSV -->            how often saved stability maps agree with theory, and
+//   <!-- long_run: CSV -->        the energy errors of saved long runs
 //
 // Without --check the blocks are written anew. With it nothing is written: each block that differs
 // and each link to a file that is not there is named, and the exit status is 1.
@@ -27,6 +30,7 @@
 
 #include "program/files.hpp"
 #include "program/report.hpp"
+#include "program/stability.hpp"
 
 namespace fs = std::filesystem;
 
@@ -87,6 +91,12 @@ std::vector<std::string> block(const fs::path& source, const std::string& kind,
   }
   if (kind == "report")
     return split_lines(program::short_table(program::read_csv(source / argument)));
+  if (kind == "cases")
+    return split_lines(program::table(program::read_verdicts(source / argument)));
+  if (kind == "maps")
+    return split_lines(program::table(program::read_agreements(source / argument)));
+  if (kind == "long_run")
+    return split_lines(program::table(program::read_curves(source / argument)));
   return output(argument);
 }
 
@@ -111,7 +121,7 @@ void check_links(const fs::path& file, const std::vector<std::string>& lines,
 std::vector<std::string> in_step(const fs::path& source, const fs::path& file,
                                  const std::vector<std::string>& lines,
                                  std::vector<std::string>& complaints) {
-  static const std::regex marker("<!-- (excerpt|output|report): (.*) -->");
+  static const std::regex marker("<!-- (excerpt|output|report|cases|maps|long_run): (.*) -->");
   std::vector<std::string> result;
   std::smatch match;
   for (std::size_t i = 0; i < lines.size(); ++i) {

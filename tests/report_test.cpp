@@ -23,8 +23,14 @@ struct Oscillator {
   double initial_position() const { return 1.0; }
   double initial_velocity() const { return 0.0; }
   measure::Measures measures(double, double q, double v) const {
-    return {0.5 * (q * q + v * v), 0.0, 0.0};
+    return {.energy = 0.5 * (q * q + v * v),
+            .constraint_error = 0.0,
+            .velocity_error = 0.0,
+            .kinetic = 0.5 * v * v,
+            .drive = std::abs(q)};
   }
+  std::string culprit(double, double, double) const { return "the oscillator"; }
+  double free_acceleration() const { return 1.0; }
   measure::Columns columns() const { return {{"q", "v"}, {}}; }
   void observe(double, double q, double v, measure::Row& row) const { row.state = {q, v}; }
 };

@@ -6,6 +6,7 @@
 #include "exact.hpp"
 #include "parabola/implicit_bead.hpp"
 #include "program/chapter.hpp"
+#include "stability.hpp"
 
 #ifdef TUTORIAL_PICTURES
 #include "pictures.hpp"
@@ -41,6 +42,8 @@ int main(int argc, char** argv) {
                     .duration = 10.0,
                     .coarsest = 0.5,
                     .rungs = 16};
+
+  chapter.stability = particle_on_curve::stability;
 
 #ifdef TUTORIAL_PICTURES
   chapter.pictures = [&scene](const program::RunOptions& run) {

@@ -17,6 +17,8 @@
 #include "orders.hpp"
 #include "picture_check.hpp"
 #include "pictures.hpp"
+#include "stability.hpp"
+#include "stability_check.hpp"
 #endif
 
 using Eigen::Vector2d;
@@ -400,3 +402,7 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
 }
 
 #endif
+
+TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
+  check_stability(particle_on_curve::stability());
+}

@@ -6,6 +6,7 @@
 #include "exact.hpp"
 #include "parametric_bead.hpp"
 #include "program/chapter.hpp"
+#include "stability.hpp"
 
 #ifdef TUTORIAL_PICTURES
 #include "pictures.hpp"
@@ -42,6 +43,8 @@ int main(int argc, char** argv) {
       .methods = measure::every_integrator(), .duration = 10.0, .coarsest = 0.5, .rungs = 16};
   chapter.ladder.methods.push_back(
       {.integrator = integrators::Name::dop853, .tolerance = measure::coarsest_tolerance});
+
+  chapter.stability = parametric_lagrangian::stability;
 
 #ifdef TUTORIAL_PICTURES
   chapter.pictures = [&scene](const program::RunOptions& run) {

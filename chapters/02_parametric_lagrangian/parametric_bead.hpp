@@ -1,7 +1,10 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <cmath>
+#include <string>
 
 #include "measure/simulation.hpp"
 #include "parabola/scene.hpp"
@@ -46,8 +49,15 @@ class ParametricBead {
   measure::Measures measures(double, double q, double qdot) const {
     const Eigen::Vector2d x = this->x(q), v = this->v(q, qdot);
     const double p = scene_.p;
-    return {scene_.energy(x, v), std::abs(x.x() * x.x() + 2.0 * p * x.y()),
-            std::abs(2.0 * x.x() * v.x() + 2.0 * p * v.y())};
+    return {.energy = scene_.energy(x, v),
+            .constraint_error = std::abs(x.x() * x.x() + 2.0 * p * x.y()),
+            .velocity_error = std::abs(2.0 * x.x() * v.x() + 2.0 * p * v.y()),
+            .kinetic = scene_.kinetic(v),
+            .drive = scene_.drive()};
+  }
+  double free_acceleration() const { return scene_.applied_force().norm() / scene_.mass; }
+  std::string culprit(double, double q, double qdot) const {
+    return fmt::format("q = {:.2g} m, q̇ = {:.2g} m/s", q, qdot);
   }
 
   measure::Columns columns() const {

@@ -13,6 +13,8 @@
 #include "orders.hpp"
 #include "picture_check.hpp"
 #include "pictures.hpp"
+#include "stability.hpp"
+#include "stability_check.hpp"
 #endif
 
 using Eigen::Vector2d;
@@ -187,3 +189,7 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
 }
 
 #endif
+
+TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
+  check_stability(parametric_lagrangian::stability(), 0.95);  // RK4 may swing on past its limit
+}

@@ -9,6 +9,7 @@
 #include "exact.hpp"
 #include "program/chapter.hpp"
 #include "scene.hpp"
+#include "stability.hpp"
 
 #ifdef TUTORIAL_PICTURES
 #include "pictures.hpp"
@@ -43,6 +44,8 @@ int main(int argc, char** argv) {
                     .duration = 10.0,
                     .coarsest = 0.5,
                     .rungs = 16};
+
+  chapter.stability = dumbbell::stability;
 
 #ifdef TUTORIAL_PICTURES
   chapter.pictures = [&scene](const program::RunOptions& run) {

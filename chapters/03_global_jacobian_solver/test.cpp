@@ -18,6 +18,8 @@
 #include "orders.hpp"
 #include "picture_check.hpp"
 #include "pictures.hpp"
+#include "stability.hpp"
+#include "stability_check.hpp"
 #endif
 
 using dumbbell::Exact;
@@ -499,3 +501,7 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
 }
 
 #endif
+
+TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
+  check_stability(dumbbell::stability());
+}

@@ -57,7 +57,7 @@ inline Exact exact(const Scene& scene, const measure::Method& method, double t) 
       truth.v.setZero();
       break;
   }
-  const Eigen::Vector3d M(Scene::mass, Scene::mass, Scene::inertia);
+  const Eigen::Vector3d M(scene.mass, scene.mass, scene.inertia());
   truth.reaction = M.cwiseProduct(a) - scene.applied(t, truth.q.z());
   return truth;
 }

@@ -6,6 +6,7 @@
 #include "program/chapter.hpp"
 #include "program/files.hpp"
 #include "scene.hpp"
+#include "stability.hpp"
 
 #ifdef TUTORIAL_PICTURES
 #include "pictures.hpp"
@@ -62,6 +63,8 @@ int main(int argc, char** argv) {
       scene.offset_x = 0.05, scene.offset_y = -0.03, scene.offset_theta = 0.2;
   };
   chapter.also_report = report_left_out;
+
+  chapter.stability = ground::stability;
 
 #ifdef TUTORIAL_PICTURES
   chapter.pictures = [&](const program::RunOptions& run) { return ground::pictures(scene, run); };

@@ -51,18 +51,18 @@ draw::View view(const Scene& scene) {
 }
 
 void draw_plate(Canvas& canvas, const Eigen::Vector3d& q, double presence) {
-  canvas.box({q.x(), q.y()}, Scene::width, Scene::height, q.z(),
+  canvas.box({q.x(), q.y()}, Scene{}.width, Scene{}.height, q.z(),
              canvas.theme().body.faded(presence), canvas.theme().body_edge);
 }
 
 /// Weight, load and reaction as arrows, and the reaction's moment in words.
 void draw_forces(Canvas& canvas, const Scene& scene, const Instant& at) {
   const auto& theme = canvas.theme();
-  const double load = scene.load_at(at.t), weight = Scene::mass * Scene::gravity;
+  const double load = scene.load_at(at.t), weight = scene.mass * scene.gravity;
   const double scale = 0.38 / std::max({weight, std::abs(load), at.reaction.head<2>().norm()});
   const Point centre{at.q.x(), at.q.y()};
-  const Point edge{at.q.x() + 0.5 * Scene::width * std::cos(at.q.z()),
-                   at.q.y() + 0.5 * Scene::width * std::sin(at.q.z())};
+  const Point edge{at.q.x() + 0.5 * scene.width * std::cos(at.q.z()),
+                   at.q.y() + 0.5 * scene.width * std::sin(at.q.z())};
   canvas.arrow(centre, {0.0, scale * weight}, theme.weight, fmt::format("weight {:.2f} N", weight));
   canvas.arrow(edge, {0.0, scale * load}, theme.applied_force);
   canvas.label(edge, fmt::format("load {:.2f} N", std::abs(load)), theme.applied_force,
@@ -77,8 +77,8 @@ Picture plate_picture(const std::string& name, const std::string& title, const s
   return {name, [=](draw::Pen& pen) {
             Canvas canvas(pen, draw::page(pen, title, caption), view(scene));
             canvas.axes("m");
-            canvas.ground({0.0, 0.5 * Scene::height}, 0.0,
-                          1.1 * Scene::width * canvas.points_per_metre());
+            canvas.ground({0.0, 0.5 * scene.height}, 0.0,
+                          1.1 * scene.width * canvas.points_per_metre());
             draw_plate(canvas, at.q, 0.6);
             draw_forces(canvas, scene, at);
           }};
@@ -191,95 +191,6 @@ Picture decay_picture(const std::string& name, const std::string& title,
           }};
 }
 
-/// Whether 400 steps of the plate itself stay bounded, as a user would see it.
-bool stays(integrators::Name integrator, double kd_h, double ks_hh) {
-  constexpr double h = 0.01;
-  const Method method{integrator, Stabilization::feedback, ks_hh / (h * h), kd_h / h};
-  Motion plate = motion({.load = 0.0, .offset_x = 1.0}, method);
-  try {
-    plate.advance(400, h);
-  } catch (const measure::Diverged&) {
-    return false;
-  }
-  return std::abs(plate.q()[0]) + h * std::abs(plate.v()[0]) < 2.0;
-}
-
-Picture gains_picture() {
-  struct Panel {
-    integrators::Name integrator;
-    double x, y;  // the part of the plane that is shown
-    std::vector<Point> stable, unstable, boundary;
-  };
-  std::vector<Panel> panels{{integrators::Name::explicit_euler, 4.5, 4.5, {}, {}, {}},
-                            {integrators::Name::semi_implicit_euler, 2.5, 4.5, {}, {}, {}},
-                            {integrators::Name::rk4, 3.5, 9.0, {}, {}, {}}};
-  int agree = 0, all = 0;
-  for (Panel& panel : panels) {
-    const auto theory = [&](double x, double y) {
-      return integrators::amplification(panel.integrator, 1.0, y, x) <= 1.0;
-    };
-    constexpr int cells = 18;
-    for (int i = 0; i < cells; ++i)
-      for (int j = 0; j < cells; ++j) {
-        const double x = panel.x * (i + 0.5) / cells, y = panel.y * (j + 0.37) / cells;
-        const bool stable = stays(panel.integrator, x, y);
-        (stable ? panel.stable : panel.unstable).push_back({x, y});
-        agree += stable == theory(x, y) ? 1 : 0;
-        ++all;
-      }
-    constexpr int fine = 400;
-    for (int i = 0; i < fine; ++i)
-      for (int j = 1; j < fine; ++j) {
-        const double x = panel.x * (i + 0.5) / fine, below = panel.y * (j - 0.5) / fine,
-                     above = panel.y * (j + 0.5) / fine;
-        if (theory(x, below) != theory(x, above))
-          panel.boundary.push_back({x, 0.5 * (below + above)});
-      }
-  }
-  const std::string caption = fmt::format(
-      "{} of {} measured points lie on the side of the boundary that theory says.", agree, all);
-  return {
-      "gains", [=](draw::Pen& pen) {
-        const draw::Rect content = draw::page(pen, "Which gains and steps are stable", caption);
-        const double gap = 18.0, width = (content.width - 2.0 * gap) / 3.0;
-        pen.circle({content.left + 6.0, content.top + 10.0}, 4.0, pen.theme().series[0]);
-        pen.text({content.left + 18.0, content.top + 10.0}, "measured: stays", pen.theme().ink);
-        const double x = content.left + 156.0, y = content.top + 10.0;
-        const std::vector<Point> square{
-            {x - 4, y - 4}, {x + 4, y - 4}, {x + 4, y + 4}, {x - 4, y + 4}};
-        pen.polygon(square, pen.theme().series[1].faded(0.55));
-        pen.text({content.left + 168.0, content.top + 10.0}, "measured: grows", pen.theme().ink);
-        pen.line({content.left + 306.0, content.top + 10.0},
-                 {content.left + 334.0, content.top + 10.0}, pen.theme().ink, 2.4);
-        pen.text({content.left + 342.0, content.top + 10.0}, "theory: amplification 1",
-                 pen.theme().ink);
-        for (std::size_t k = 0; k < panels.size(); ++k) {
-          const Panel& panel = panels[k];
-          const draw::Rect area{content.left + static_cast<double>(k) * (width + gap),
-                                content.top + 28.0, width, content.height - 28.0};
-          draw::Plot plot{.title = std::string(integrators::method(panel.integrator).text),
-                          .x = {.label = "kd h", .min = 0.0, .max = panel.x},
-                          .y = {.label = "ks h²", .min = 0.0, .max = panel.y}};
-          plot.curves.push_back({.points = panel.stable,
-                                 .color = pen.theme().series[0],
-                                 .markers = true,
-                                 .line = false});
-          plot.curves.push_back({.points = panel.unstable,
-                                 .color = pen.theme().series[1].faded(0.55),
-                                 .markers = true,
-                                 .line = false});
-          // The boundary as short strokes: it may have several branches over one kd h.
-          for (const Point& p : panel.boundary)
-            plot.curves.push_back(
-                {.points = {{p.x - 0.002 * panel.x, p.y}, {p.x + 0.002 * panel.x, p.y}},
-                 .color = pen.theme().ink,
-                 .thickness = 2.4});
-          plot.legend = draw::Legend::none;
-          draw::draw_plot(pen, area, plot);
-        }
-      }};
-}
-
 }  // namespace
 
 std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
@@ -289,7 +200,6 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
                         {{25.0, 3.0, "kd = 3 1/s, underdamped"},
                          {25.0, 10.0, "kd = 10 1/s, critical"},
                          {25.0, 30.0, "kd = 30 1/s, overdamped"}}),
-          gains_picture(),
           decay_picture("turned_off", "Feedback, in part and not at all",
                         "Without kd the plate swings for ever, without both it stays off.", off,
                         run.step,

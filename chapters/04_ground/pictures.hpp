@@ -8,7 +8,7 @@
 
 namespace ground {
 
-/// The pictures of the lesson: scene, reaction, decay, gains, turned_off.
+/// The pictures of the lesson: scene, reaction, decay, turned_off.
 std::vector<program::Picture> pictures(const Scene& scene, const program::RunOptions& run);
 
 /// The plate at t [s], with its forces.

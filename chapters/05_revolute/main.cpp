@@ -8,6 +8,7 @@
 #include "program/chapter.hpp"
 #include "program/files.hpp"
 #include "scene.hpp"
+#include "stability.hpp"
 
 #ifdef TUTORIAL_PICTURES
 #include "draw/image.hpp"
@@ -64,6 +65,8 @@ int main(int argc, char** argv) {
                     .coarsest = 0.1,
                     .rungs = 15};
   chapter.also_report = report_cost;
+
+  chapter.stability = revolute::stability;
 
 #ifdef TUTORIAL_PICTURES
   chapter.pictures = [&scene](const program::RunOptions& run) {

@@ -8,6 +8,7 @@
 #include "exact.hpp"
 #include "program/chapter.hpp"
 #include "scene.hpp"
+#include "stability.hpp"
 
 #ifdef TUTORIAL_PICTURES
 #include "pictures.hpp"
@@ -47,6 +48,8 @@ int main(int argc, char** argv) {
                     .duration = 1.0,
                     .coarsest = 0.1,
                     .rungs = 15};
+
+  chapter.stability = prismatic::stability;
 
 #ifdef TUTORIAL_PICTURES
   chapter.pictures = [&scene](const program::RunOptions& run) {

@@ -52,7 +52,7 @@ void advance_to(Motion& motion, double t, double step) {
 
 void draw_block(Canvas& canvas, const Instant& instant, double presence) {
   const auto& theme = canvas.theme();
-  canvas.box(point(instant.x), Scene::width, Scene::height, instant.theta,
+  canvas.box(point(instant.x), Scene{}.width, Scene{}.height, instant.theta,
              theme.body.faded(presence), theme.body_edge.faded(presence));
 }
 
@@ -198,7 +198,7 @@ Picture spin_picture(const Scene& given, const RunOptions& run) {
   const double scale = force_scale(largest, 0.3 * reach);
   std::vector<draw::Point> seen;
   for (const Instant& instant : instants) {
-    const Vector2d corner = Scene::width * instant.x.normalized();
+    const Vector2d corner = scene.width * instant.x.normalized();
     seen.push_back(point(instant.x + corner));
     seen.push_back(point(instant.x + scale * instant.force));
   }

@@ -20,9 +20,10 @@ struct Scene {
   double gravity = 9.81;  ///< along +y; on the fixed rail only [m/s²]
   double spin = 0.0;      ///< of the rail at the start; 0: it is fixed [rad/s]
 
-  static constexpr double width = 0.2, height = 0.1;            ///< of the block [m]
-  static constexpr double rail_mass = 1.0, rail_inertia = 1.0;  ///< [kg], [kg·m²]
-  static constexpr double r0 = 0.3;  ///< of the block on the spinning rail, at the start [m]
+  // No options, but other units change them too.
+  double width = 0.2, height = 0.1;            ///< of the block [m]
+  double rail_mass = 1.0, rail_inertia = 1.0;  ///< [kg], [kg·m²]
+  double r0 = 0.3;  ///< of the block on the spinning rail, at the start [m]
 
   bool spins() const { return spin != 0.0; }
   double angle() const { return incline * std::numbers::pi / 180.0; }                 ///< [rad]

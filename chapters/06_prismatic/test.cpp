@@ -14,6 +14,8 @@
 #include "orders.hpp"
 #include "picture_check.hpp"
 #include "pictures.hpp"
+#include "stability.hpp"
+#include "stability_check.hpp"
 #endif
 
 using dynamics::Body;
@@ -187,7 +189,7 @@ TEST_CASE("rail and pin push against each other: the sum on the rail is nothing"
   spin.model().acceleration(0.0, spin.q(), spin.v(), a);
   const Vector2d r = spin.q().segment<2>(3);
   const double moment = -(r.x() * block.y() - r.y() * block.x()) - row.reactions[2];
-  CHECK(moment == Approx(Scene::rail_inertia * a[2]).epsilon(1e-12));
+  CHECK(moment == Approx(Scene{}.rail_inertia * a[2]).epsilon(1e-12));
   CHECK(a[2] < 0.0);
 }
 
@@ -340,3 +342,7 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
 }
 
 #endif
+
+TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
+  check_stability(prismatic::stability());
+}

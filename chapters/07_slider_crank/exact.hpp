@@ -38,7 +38,7 @@ class Reduced {
         wheel_mass(scene.wheel_mass),
         rod_mass(scene.rod_mass),
         slider_mass(scene.slider_mass),
-        wheel_inertia(wheel_mass * Real(Scene::wheel_radius) * Real(Scene::wheel_radius) / 2),
+        wheel_inertia(wheel_mass * Real(scene.wheel_radius) * Real(scene.wheel_radius) / 2),
         rod_inertia(rod_mass * L * L / 12) {}
 
   struct Pose {
@@ -215,7 +215,7 @@ inline Reactions reactions(const Scene& scene, const Exact::State& state) {
   const Eigen::Vector2d rod_wheel(px + Rx, py + Ry);
   const Eigen::Vector2d wheel_frame = rod_wheel - Eigen::Vector2d(0, scene.wheel_mass * g);
   const Eigen::Vector2d frame_ground =
-      wheel_frame + slider_frame - Eigen::Vector2d(0, Scene::frame_mass * g);
+      wheel_frame + slider_frame - Eigen::Vector2d(0, scene.frame_mass * g);
   return {wheel_frame,  rod_wheel,    slider_rod,
           slider_frame, frame_ground, static_cast<double>(at.s.value * N)};
 }

@@ -5,6 +5,7 @@
 #include "exact.hpp"
 #include "program/chapter.hpp"
 #include "scene.hpp"
+#include "stability.hpp"
 
 #ifdef TUTORIAL_PICTURES
 #include "pictures.hpp"
@@ -39,11 +40,6 @@ int main(int argc, char** argv) {
   chapter.constraint_unit = "m or rad";
 
   chapter.start = [&scene](const measure::Method& method) {
-    if (scene.rod < scene.crank)
-      throw program::UsageError(
-          fmt::format("--rod {:g}: allowed is the crank, {:g} m, or more: a shorter rod does not "
-                      "let the wheel turn",
-                      scene.rod, scene.crank));
     return std::make_unique<measure::Motion<program::Mechanism>>(
         slider_crank::make_mechanism(scene, method), method);
   };
@@ -58,6 +54,8 @@ int main(int argc, char** argv) {
                     .duration = 2.0,
                     .coarsest = 0.02,
                     .rungs = 14};
+
+  chapter.stability = slider_crank::stability;
 
 #ifdef TUTORIAL_PICTURES
   chapter.pictures = [&scene](const program::RunOptions& run) {

@@ -73,17 +73,17 @@ std::vector<Instant> revolution(const Scene& scene, const RunOptions& run) {
 }
 
 draw::View view(const Scene& scene) {
-  const double wheel = std::max(Scene::wheel_radius, 1.05 * scene.crank);
-  return {-1.2 * wheel, -1.35 * wheel, scene.crank + scene.rod + 0.6 * Scene::slider_width,
+  const double wheel = std::max(scene.wheel_radius, 1.05 * scene.crank);
+  return {-1.2 * wheel, -1.35 * wheel, scene.crank + scene.rod + 0.6 * scene.slider_width,
           1.35 * wheel};
 }
 
 Point point(const Vector2d& x) { return {x.x(), x.y()}; }
 
 void draw_frame(Canvas& canvas, const Scene& scene) {
-  const double from = scene.rod - scene.crank - 0.5 * Scene::slider_width - 0.05;
-  const double to = scene.rod + scene.crank + 0.5 * Scene::slider_width + 0.05;
-  const double floor = 0.5 * Scene::slider_height;
+  const double from = scene.rod - scene.crank - 0.5 * scene.slider_width - 0.05;
+  const double to = scene.rod + scene.crank + 0.5 * scene.slider_width + 0.05;
+  const double floor = 0.5 * scene.slider_height;
   const std::vector<Point> rail{{from, floor}, {to, floor}};
   canvas.ground({0.5 * (from + to), floor}, 0.0, (to - from) * canvas.points_per_metre());
   canvas.curve(rail, canvas.theme().track, 2.4);
@@ -97,7 +97,7 @@ void draw_bodies(Canvas& canvas, const Instant& at, double presence, bool muted)
   const draw::Color edge = theme.body_edge.faded(presence);
   const draw::Color crank = muted ? theme.grid : theme.series[1].faded(presence);
   const draw::Color rod = muted ? theme.grid : theme.series[0].faded(presence);
-  canvas.box(point(at.slider), Scene::slider_width, Scene::slider_height, 0.0,
+  canvas.box(point(at.slider), Scene{}.slider_width, Scene{}.slider_height, 0.0,
              muted ? draw::transparent : theme.body.faded(presence < 1.0 ? 0.0 : 0.6), edge);
   canvas.link({0.0, 0.0}, point(at.pin), 9.0, crank, edge);
   canvas.link(point(at.pin), point(at.slider), 9.0, rod, edge);
@@ -105,7 +105,7 @@ void draw_bodies(Canvas& canvas, const Instant& at, double presence, bool muted)
 
 void draw_mechanism(Canvas& canvas, const Scene& scene, const Instant& at, bool muted = false) {
   draw_frame(canvas, scene);
-  canvas.disc({0.0, 0.0}, Scene::wheel_radius, canvas.theme().body.faded(0.35),
+  canvas.disc({0.0, 0.0}, scene.wheel_radius, canvas.theme().body.faded(0.35),
               canvas.theme().body_edge);
   draw_bodies(canvas, at, 1.0, muted);
   canvas.ground({0.0, 0.0});
@@ -156,9 +156,9 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
         name({-0.2, -0.2}, "wheel", {0, 0}, draw::Align::center, theme.ink);
         name(0.65 * start.pin + 0.35 * start.slider, "rod", {0, 20}, draw::Align::left, theme.ink);
         name(start.slider, "slider",
-             {0, -Scene::slider_height * 0.5 * canvas.points_per_metre() - 14}, draw::Align::center,
+             {0, -scene.slider_height * 0.5 * canvas.points_per_metre() - 14}, draw::Align::center,
              theme.ink);
-        name({scene.rod + scene.crank + 0.5 * Scene::slider_width, 0.5 * Scene::slider_height},
+        name({scene.rod + scene.crank + 0.5 * scene.slider_width, 0.5 * scene.slider_height},
              "frame", {0, -14}, draw::Align::center, theme.ink);
         name({0, 0}, "wheel_frame: revolute", {0, -20}, draw::Align::center,
              theme.constraint_force);
@@ -170,7 +170,7 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
         name({0, 0}, "frame_ground: ground", {-8, 26}, draw::Align::right, theme.constraint_force);
         if (scene.torque != 0.0) {  // a couple: an arc with a head
           std::vector<Point> arc;
-          const double r = 1.12 * Scene::wheel_radius, sign = scene.torque > 0.0 ? 1.0 : -1.0;
+          const double r = 1.12 * scene.wheel_radius, sign = scene.torque > 0.0 ? 1.0 : -1.0;
           for (int i = 0; i <= 40; ++i) {
             const double angle = -2.4 + sign * i / 40.0;
             arc.push_back({r * std::cos(angle), r * std::sin(angle)});
@@ -199,7 +199,7 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
         Canvas canvas(pen, draw::page(pen, "One revolution of the crank", caption), view(scene));
         canvas.axes("m");
         draw_frame(canvas, scene);
-        canvas.disc({0.0, 0.0}, Scene::wheel_radius, canvas.theme().body.faded(0.25),
+        canvas.disc({0.0, 0.0}, scene.wheel_radius, canvas.theme().body.faded(0.25),
                     canvas.theme().body_edge);
         // After a whole turn the last exposure covers the first: one label serves both.
         const bool closed = std::abs(last.theta - scene.theta0) > 0.98 * turn;
@@ -380,7 +380,7 @@ Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
             canvas.axes("m");
             draw_mechanism(canvas, scene, at, true);
             draw_forces(canvas, at, std::max(1e-300, largest(at.forces)),
-                        0.4 * (scene.crank + Scene::wheel_radius));
+                        0.4 * (scene.crank + scene.wheel_radius));
           }};
 }
 

@@ -8,6 +8,7 @@
 #include "joints/prismatic.hpp"
 #include "joints/revolute.hpp"
 #include "program/mechanism.hpp"
+#include "program/options.hpp"
 
 namespace slider_crank {
 
@@ -24,9 +25,19 @@ struct Scene {
   double simulate_frame =
       0.0;  ///< 1: the frame is a body, held by a ground joint; 0: it is left out
 
-  static constexpr double frame_mass = 10.0, frame_inertia = 1.0;   ///< [kg], [kg·m²]
-  static constexpr double wheel_radius = 0.4;                       ///< [m]
-  static constexpr double slider_width = 0.3, slider_height = 0.2;  ///< [m]
+  // No options, but other units change them too.
+  double frame_mass = 10.0, frame_inertia = 1.0;   ///< [kg], [kg·m²]
+  double wheel_radius = 0.4;                       ///< [m]
+  double slider_width = 0.3, slider_height = 0.2;  ///< [m]
+
+  /// A rod shorter than the crank does not let the wheel turn.
+  void check() const {
+    if (rod < crank)
+      throw program::UsageError(
+          fmt::format("--rod {:g}: allowed is the crank, {:g} m, or more: a shorter rod does not "
+                      "let the wheel turn",
+                      rod, crank));
+  }
 
   double wheel_inertia() const { return 0.5 * wheel_mass * wheel_radius * wheel_radius; }
   double rod_inertia() const { return rod_mass * rod * rod / 12.0; }
@@ -55,6 +66,7 @@ inline program::Mechanism make_mechanism(const Scene& scene, const measure::Meth
                                          Bodies* bodies = nullptr) {
   using Eigen::Vector2d;
   using Eigen::VectorXd;
+  scene.check();
   program::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
   const double theta = scene.theta0, phi = scene.rod_angle(theta), omega = scene.omega0;
@@ -93,7 +105,7 @@ inline program::Mechanism make_mechanism(const Scene& scene, const measure::Meth
       // its weight, the wheel's pin at its centre, and the slider's push on the rail at the
       // slider's place.
       mechanism.report_fixed("frame");
-      mechanism.report("frame_ground", [=, weight = Scene::frame_mass * scene.gravity](
+      mechanism.report("frame_ground", [=, weight = scene.frame_mass * scene.gravity](
                                            const dynamics::System& solved, const VectorXd& q) {
         const Eigen::Vector3d pin = solved.reaction(wheel_frame, wheel);
         const Eigen::Vector3d rail = solved.reaction(slider_frame, slider);
@@ -116,7 +128,7 @@ inline program::Mechanism make_mechanism(const Scene& scene, const measure::Meth
   };
 
   if (scene.simulate_frame != 0.0)
-    build(system.add_body("frame", Scene::frame_mass, Scene::frame_inertia, Vector2d::Zero()));
+    build(system.add_body("frame", scene.frame_mass, scene.frame_inertia, Vector2d::Zero()));
   else
     build(dynamics::System::world);
   mechanism.assemble();

@@ -135,6 +135,7 @@ class Plotter {
       legend = free_corner();
       if (legend == Legend::above) lay_out(true);
     }
+    draw_tiles();
     draw_axes();
     const bool in_corner = legend != Legend::above && legend != Legend::none;
     std::vector<Rect> blocked;
@@ -245,6 +246,15 @@ class Plotter {
     }
     pen_.line({frame_.left, frame_.top}, {frame_.left, frame_.bottom()}, colors.muted, 1);
     pen_.line({frame_.left, frame_.bottom()}, {frame_.right(), frame_.bottom()}, colors.muted, 1);
+  }
+
+  void draw_tiles() {
+    pen_.clip(frame_);
+    for (const auto& [low, high, fill] : plot_.tiles) {
+      const Point a = place(low), b = place(high);
+      fill_box({a.x, b.y, b.x - a.x, a.y - b.y}, fill, transparent);
+    }
+    pen_.unclip();
   }
 
   // A shape of its own for each curve, for readers who cannot tell the colours apart.

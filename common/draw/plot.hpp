@@ -34,6 +34,12 @@ struct Slope {
   Point through = {};
 };
 
+/// A rectangle between two points of the plane, below the curves.
+struct Tile {
+  Point low, high;
+  Color fill;
+};
+
 /// `automatic`: in a corner where it covers no curve, or above the plot when there is none.
 enum class Legend { automatic, top_left, top_right, bottom_left, bottom_right, above, none };
 
@@ -42,6 +48,7 @@ struct Plot {
   Axis x = {}, y = {};
   std::vector<Curve> curves = {};
   std::vector<Slope> slopes = {};
+  std::vector<Tile> tiles = {};
   Legend legend = Legend::automatic;
 };
 

@@ -192,7 +192,8 @@ void System::factor(double damping) {
   K_.factor(damping);
 }
 
-void System::acceleration(double t, const VectorXd& q, const VectorXd& v, VectorXd& a) {
+// The things as they are, and the applied forces F on them.
+void System::find_forces(double t, const VectorXd& q, const VectorXd& v) {
   prepare();
   load(q, v);
   F_ = F0_;
@@ -200,7 +201,10 @@ void System::acceleration(double t, const VectorXd& q, const VectorXd& v, Vector
     F_.segment<2>(thing.column) += F(t, things_[thing]);
   for (const auto& [thing, F, V] : things_.bodies.laws)
     F_.segment<3>(thing.column) += F(t, things_[thing]);
+}
 
+void System::acceleration(double t, const VectorXd& q, const VectorXd& v, VectorXd& a) {
+  find_forces(t, q, v);
   find_rows();
   lambda_ = b_;
   if (ks_ != 0) lambda_ -= ks_ * C_;
@@ -344,13 +348,11 @@ Assembly System::assemble(VectorXd& q, VectorXd& v) {
   if (!(relative_error(start) <= closed)) {
     Eigen::Index worst = 0;
     (C_.array().abs() / (size_.array() + start * K_.diagonal().array().sqrt())).maxCoeff(&worst);
-    const auto joint =
-        std::find_if(joints_.rbegin(), joints_.rend(), [&](auto& j) { return j.row <= worst; });
-    char open[32];
-    std::snprintf(open, sizeof open, "%.3g", std::abs(C_[worst]));
-    throw AssemblyError("cannot assemble: " + joint->name + " row " +
-                        std::to_string(worst - joint->row + 1) + " (" +
-                        joint->unit[worst - joint->row] + ") stays open by " + open);
+    const RowState open = row_state(worst);
+    char by[32];
+    std::snprintf(by, sizeof by, "%.3g", std::abs(open.C));
+    throw AssemblyError("cannot assemble: " + open.row.joint + " row " +
+                        std::to_string(open.row.row) + " (" + open.unit + ") stays open by " + by);
   }
   report.moved = largest(best - q);
   report.C_after = largest(C_);
@@ -367,7 +369,7 @@ Assembly System::assemble(VectorXd& q, VectorXd& v) {
 double System::energy(const VectorXd& q, const VectorXd& v) {
   prepare();
   load(q, v);
-  double energy = (v.array().square() / W_.array()).sum() / 2;
+  double energy = kinetic_energy(v);
   for (const ThingInfo& thing : thing_info_)
     energy -= gravity_.dot(q.segment<2>(thing.column)) / W_[thing.column];
   for (const auto& [thing, F, V] : things_.particles.laws)
@@ -375,6 +377,34 @@ double System::energy(const VectorXd& q, const VectorXd& v) {
   for (const auto& [thing, F, V] : things_.bodies.laws)
     if (V) energy += V(things_[thing]);
   return energy;
+}
+
+double System::kinetic_energy(const ThingInfo& thing, const VectorXd& v) const {
+  const auto part = Eigen::seqN(thing.column, thing.dof);
+  return (v(part).array().square() / W_(part).array()).sum() / 2;
+}
+
+double System::kinetic_energy(const VectorXd& v) const {
+  return (v.array().square() / W_.array()).sum() / 2;
+}
+
+double System::drive(double t, const VectorXd& q, const VectorXd& v) {
+  find_forces(t, q, v);
+  return std::sqrt((F_.array().square() * W_.array()).sum());
+}
+
+double System::free_acceleration(double t, const VectorXd& q, const VectorXd& v) {
+  find_forces(t, q, v);
+  return W_.cwiseProduct(F_).norm();
+}
+
+double System::distance(const VectorXd& q) {
+  prepare();
+  evaluate(q, v0_);
+  factor();
+  mu_ = C_;
+  K_.solve(mu_);
+  return std::sqrt(std::max(0.0, C_.dot(mu_)));
 }
 
 double System::constraint_error(const VectorXd& q) {
@@ -425,6 +455,34 @@ std::vector<JointRow> System::dependent_rows() const {
     for (int k = 0; k < joint.r; ++k)
       if (K_.inverse_pivots()[joint.row + k] == 0) rows.push_back({joint.name, k + 1});
   return rows;
+}
+
+RowState System::row_state(Eigen::Index row) const {
+  const auto joint =
+      std::find_if(joints_.rbegin(), joints_.rend(), [&](auto& j) { return j.row <= row; });
+  const int k = static_cast<int>(row) - joint->row;
+  const double inverse_pivot = K_.inverse_pivots()[row];
+  return {{joint->name, k + 1},
+          joint->unit[k],
+          C_[row],
+          inverse_pivot == 0 ? 0 : 1 / (inverse_pivot * K_.diagonal()[row])};
+}
+
+RowState System::worst_row() const {
+  Eigen::Index row = 0;
+  (K_.diagonal().array() > 0)
+      .select(C_.array().square() / K_.diagonal().array(), 0.0)
+      .maxCoeff(&row);
+  return row_state(row);
+}
+
+RowState System::weakest_row() const {
+  Eigen::Index row = 0;
+  (K_.inverse_pivots().array() == 0)
+      .select(std::numeric_limits<double>::infinity(),
+              K_.inverse_pivots().array() * K_.diagonal().array())
+      .maxCoeff(&row);
+  return row_state(row);
 }
 
 }  // namespace dynamics

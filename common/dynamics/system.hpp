@@ -130,6 +130,14 @@ struct JointRow {
   int row;
 };
 
+/// How far a row is from holding, and how far it is from depending on others.
+struct RowState {
+  JointRow row;
+  const char* unit;  ///< of C
+  double C;
+  double pivot;  ///< what the rows before it leave of it in the factor: from 1, independent, to 0
+};
+
 /// What the scene holds. rank and degrees_of_freedom are those of the last evaluation.
 struct Counts {
   int things, coordinates, rows, rank, degrees_of_freedom;
@@ -229,6 +237,16 @@ class System {
 
   /// Kinetic energy, and potential energy of gravity and of the laws that gave one (J).
   double energy(const VectorXd& q, const VectorXd& v);
+  /// Kinetic energy of one thing, or of all (J).
+  double kinetic_energy(const ThingInfo& thing, const VectorXd& v) const;
+  double kinetic_energy(const VectorXd& v) const;
+  /// sqrt(F^T W F) of the applied forces (N/sqrt(kg)): the rate at which sqrt(2 T) grows at most,
+  /// since constraint forces do no work.
+  double drive(double t, const VectorXd& q, const VectorXd& v);
+  /// |W F| of the applied forces: the size of the terms that cancel in an acceleration.
+  double free_acceleration(double t, const VectorXd& q, const VectorXd& v);
+  /// sqrt(C^T K^-1 C), the distance to the constraints in the mass metric (m sqrt(kg)).
+  double distance(const VectorXd& q);
   /// The largest |C| of all rows, each in its own unit.
   double constraint_error(const VectorXd& q);
   /// The largest |J v|.
@@ -246,8 +264,13 @@ class System {
   }
 
   Counts counts();
+  int rows() const { return static_cast<int>(C_.size()); }
   /// The rows that the last evaluation found to depend on others, and so gave no load.
   std::vector<JointRow> dependent_rows() const;
+  /// Of the last acceleration(): the row that is off by most, as the mass metric compares them,
+  /// and the one that is closest to depending on others. Only for a scene with joints.
+  RowState worst_row() const;
+  RowState weakest_row() const;
   const std::vector<ThingInfo>& things() const { return thing_info_; }
 
  private:
@@ -280,6 +303,7 @@ class System {
   void prepare();
   void evaluate(const VectorXd& q, const VectorXd& v);
   void load(const VectorXd& q, const VectorXd& v);
+  void find_forces(double t, const VectorXd& q, const VectorXd& v);
   void find_rows();
   void factor(double damping = 0);
   void add_J(double sign, const VectorXd& x, VectorXd& y) const;
@@ -289,6 +313,7 @@ class System {
   double relative_error(double start);
   bool project_velocities(const VectorXd& q, VectorXd& v);
   Vector3d reaction(JointHandle joint, int column) const;
+  RowState row_state(Eigen::Index row) const;
 
   Things things_;
   std::vector<ThingInfo> thing_info_;

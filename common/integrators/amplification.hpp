@@ -15,6 +15,7 @@ namespace integrators {
 /// which every constraint error obeys under feedback. Above 1 the error grows from step to step.
 /// One step is linear in (C, Ċ): its 2×2 matrix is found by stepping the two unit states, and the
 /// factor is the larger modulus of its eigenvalues (the spectral radius).
+// [amplification]
 inline double amplification(Name name, double h, double ks, double kd) {
   Integrator<double> integrator(name, 0.0);
   const auto test_equation = [&](double, double C, double Cdot, double& Cddot) {
@@ -28,6 +29,7 @@ inline double amplification(Name name, double h, double ks, double kd) {
       std::sqrt(std::complex<double>(half_trace * half_trace - (a11 * a22 - a12 * a21)));
   return std::max(std::abs(half_trace + root), std::abs(half_trace - root));
 }
+// [amplification]
 
 /// The largest step h [s] at which feedback with these gains does not grow, found by bisection.
 inline double largest_stable_step(Name name, double ks, double kd) {

@@ -79,7 +79,9 @@ template <class Vector>
 class Dop853 {
  public:
   /// tolerance: error of one step relative to the norms of q and v; 0: none, fixed steps.
-  explicit Dop853(const Vector& like, double tolerance = 0.0) : q_(like), tolerance_(tolerance) {
+  /// rounding: what of an acceleration is noise.
+  explicit Dop853(const Vector& like, double tolerance = 0.0, double rounding = 0.0)
+      : q_(like), tolerance_(tolerance), rounding_(rounding) {
     v_.fill(like);
     a_.fill(like);
   }
@@ -142,14 +144,17 @@ class Dop853 {
 
   /// The error of the step in units of the tolerance.
   double estimate(const Vector& q, const Vector& v, double h) {
-    // The size of q and v is also how far they move, since either may pass through 0. What is below
-    // the rounding of the unit is not resolved, so that noise about rest is not.
-    constexpr double epsilon = std::numeric_limits<double>::epsilon();
-    const double rate = norm(v) + h * norm(a_[0]);
-    const double q_allowed = tolerance_ * (norm(q) + h * rate) + epsilon;
-    const double v_allowed = tolerance_ * rate + epsilon;
+    // The size of q and v is also how far they move, since either may pass through 0. What the
+    // noise of the accelerations makes of them is not resolved: about rest there is nothing else.
+    constexpr double several = 64.0;  // the weights of the stages amplify it
+    const double rate = norm(v) + h * norm(a_[0]), noise = several * rounding_ * h;
+    const double q_allowed = tolerance_ * (norm(q) + h * rate) + h * noise;
+    const double v_allowed = tolerance_ * rate + noise;
     const auto relative = [&](double q_error, double v_error) {
-      return h * std::hypot(q_error / q_allowed, v_error / v_allowed);
+      const auto part = [](double error, double allowed) {
+        return error == 0.0 ? 0.0 : error / allowed;
+      };
+      return h * std::hypot(part(q_error, q_allowed), part(v_error, v_allowed));
     };
     const double five = relative(size<dop853::error_5>(v_), size<dop853::error_5>(a_));
     const double three = relative(size<dop853::error_3>(v_), size<dop853::error_3>(a_));
@@ -170,7 +175,7 @@ class Dop853 {
 
   Vector q_;
   Stages v_, a_;
-  double tolerance_, next_ = std::numeric_limits<double>::infinity();
+  double tolerance_, rounding_, next_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace integrators

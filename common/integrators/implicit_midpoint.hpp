@@ -23,18 +23,20 @@ namespace integrators {
 /// finite differences, and kept from step to step for as long as it serves.
 ///
 /// `Vector` is the type of q and of v: double, or a fixed-size or dynamic Eigen vector.
-/// The constructor takes one vector of the right size; a step allocates nothing.
+/// The constructor takes one vector of the right size, and what of an acceleration is noise; a step
+/// allocates nothing.
 template <class Vector>
 class ImplicitMidpoint {
  public:
-  explicit ImplicitMidpoint(const Vector& like)
+  explicit ImplicitMidpoint(const Vector& like, double rounding = 0.0)
       : x_(like),
         q_(like),
         a_(like),
         s_(like),
         r_(like),
         R_prime_(Matrix::Zero(column(x_).size(), column(x_).size())),
-        lu_(room(column(x_).size())) {
+        lu_(room(column(x_).size())),
+        rounding_(rounding) {
     restart();
   }
 
@@ -69,7 +71,7 @@ class ImplicitMidpoint {
       const bool slow = correction > 0.1 * before;
       before = correction;
       if (!slow) continue;
-      if (correction <= 1e-10 * (size + column(q).norm() / h) + epsilon) break;
+      if (correction <= 1e-10 * (size + column(q).norm() / h) + 64.0 * rounding_ * h) break;
       if (renewals++ == 20) throw NoStep("the equation of the implicit step was not solved");
       if (renewals == 1) x_ = v;  // where another R' has led must not be trusted
       find_R_prime(minus_R);
@@ -124,6 +126,7 @@ class ImplicitMidpoint {
   Vector x_, q_, a_, s_, r_;  // s: the correction of x, r: −R(x)
   Matrix R_prime_;
   Lu lu_;
+  double rounding_;
   bool stiff_ = false;
 };
 

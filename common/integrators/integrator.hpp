@@ -46,9 +46,10 @@ constexpr std::optional<Name> find(std::string_view text) {
 template <class Vector>
 class Integrator {
  public:
-  /// tolerance: with which dop853 chooses its own steps; 0: it does not.
-  Integrator(Name name, const Vector& like, double tolerance = 0.0)
-      : chosen_(make(name, like, tolerance)) {}
+  /// tolerance: with which dop853 chooses its own steps; 0: it does not. rounding: what of an
+  /// acceleration is noise; the two methods that look at their own error need it about rest.
+  Integrator(Name name, const Vector& like, double tolerance = 0.0, double rounding = 0.0)
+      : chosen_(make(name, like, tolerance, rounding)) {}
 
   /// Before another run: what a method has learnt from its last steps is forgotten.
   void restart() {
@@ -79,18 +80,18 @@ class Integrator {
   using Chosen = std::variant<ExplicitEuler<Vector>, SemiImplicitEuler<Vector>,
                               ImplicitMidpoint<Vector>, Rk4<Vector>, Dop853<Vector>>;
 
-  static Chosen make(Name name, const Vector& like, double tolerance) {
+  static Chosen make(Name name, const Vector& like, double tolerance, double rounding) {
     switch (name) {
       case Name::explicit_euler:
         return ExplicitEuler<Vector>(like);
       case Name::semi_implicit_euler:
         return SemiImplicitEuler<Vector>(like);
       case Name::implicit_midpoint:
-        return ImplicitMidpoint<Vector>(like);
+        return ImplicitMidpoint<Vector>(like, rounding);
       case Name::rk4:
         break;
       case Name::dop853:
-        return Dop853<Vector>(like, tolerance);
+        return Dop853<Vector>(like, tolerance, rounding);
     }
     return Rk4<Vector>(like);
   }

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <concepts>
 #include <cstdio>
+#include <limits>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "integrators/integrator.hpp"
@@ -19,6 +21,8 @@ struct Measures {
   double constraint_error;  ///< largest |C|, in the unit of C
   double velocity_error;    ///< largest |J v|
   double work = 0.0;        ///< done by loads that have no potential [J]
+  double kinetic;           ///< [J]
+  double drive;  ///< √(FᵀWF) of the applied forces: how fast √(2·kinetic) grows at most [N/√kg]
 
   /// What stays constant in an exact motion [J].
   double balance() const { return energy - work; }
@@ -64,6 +68,8 @@ class Simulation {
   /// Moves on by `steps` steps of h [s], each in as many parts as a method with a tolerance takes.
   /// Throws Diverged when the state is no longer finite or the method cannot take its step.
   virtual void advance(long steps, double h) = 0;
+  /// Pushes the state off its constraints: each coordinate by another part of `size` [m, rad].
+  virtual void nudge(double size) = 0;
 
   virtual double time() const = 0;
   /// How often q̈ = a(t, q, v) was evaluated: the cost that no clock blurs.
@@ -72,6 +78,10 @@ class Simulation {
   virtual long steps() const = 0;
   // These two may use the model's workspace.
   virtual Measures measures() = 0;
+  /// The √(2·kinetic) that feedback can make of the constraint error as it is now [√J].
+  virtual double feedback_speed() = 0;
+  /// The part of the scene that moves most and the constraint that is furthest off, in words.
+  virtual std::string culprit() = 0;
   virtual Row row() = 0;
   virtual Columns columns() const = 0;
   /// What the user should know of the start, a line each: a state that had to be projected, for
@@ -85,14 +95,16 @@ bool is_finite(const Vector& values) {
   return values.allFinite();
 }
 
-/// A model is a state (q, v) of some vector type and its acceleration. One with constraints has a
-/// way back onto them too, project(q, v).
+/// A model is a state (q, v) of some vector type and its acceleration. One with constraints may
+/// have a way back onto them, project(q, v), and know its feedback_speed(q).
 template <class M>
 concept Model = requires(M model, typename M::Vector& q, typename M::Vector& v, Row& row) {
   model.acceleration(0.0, q, v, q);  // writes q̈ into the last argument
   { model.initial_position() } -> std::convertible_to<typename M::Vector>;
   { model.initial_velocity() } -> std::convertible_to<typename M::Vector>;
   { model.measures(0.0, q, v) } -> std::same_as<Measures>;
+  { model.culprit(0.0, q, v) } -> std::same_as<std::string>;
+  { model.free_acceleration() } -> std::same_as<double>;  // |q̈| at the start without constraints
   { model.columns() } -> std::same_as<Columns>;
   model.observe(0.0, q, v, row);  // fills row.state and row.reactions
 };
@@ -105,7 +117,8 @@ class Motion final : public Simulation {
 
   Motion(M model, const Method& method)
       : model_(std::move(model)),
-        integrator_(method.integrator, model_.initial_position(), method.tolerance),
+        integrator_(method.integrator, model_.initial_position(), method.tolerance,
+                    epsilon * model_.free_acceleration()),
         projected_(method.stabilization == Stabilization::projection) {
     restart();
   }
@@ -127,7 +140,9 @@ class Motion final : public Simulation {
     };
     for (long i = 0; i < steps; ++i) {
       const double end = t_anchor_ + static_cast<double>(++intervals_since_anchor_) * h;
+      long parts = 0;
       for (double rest = h; rest > 0.0;) {
+        if (++parts > most_parts) throw Diverged(at(t_) + "the tolerance takes too many steps");
         rest -= step(acceleration, rest);
         if constexpr (requires { model_.project(q_, v_); })
           if (projected_) model_.project(q_, v_);
@@ -139,10 +154,24 @@ class Motion final : public Simulation {
   }
   // [loop]
 
+  void nudge(double size) override {
+    if constexpr (std::is_same_v<Vector, double>)
+      q_ += size;
+    else
+      for (Eigen::Index i = 0; i < q_.size(); ++i) q_[i] += size * std::cos(static_cast<double>(i));
+  }
+
   double time() const override { return t_; }
   long evaluations() const override { return evaluations_; }
   long steps() const override { return steps_; }
   Measures measures() override { return model_.measures(t_, q_, v_); }
+  double feedback_speed() override {
+    if constexpr (requires { model_.feedback_speed(q_); })
+      return model_.feedback_speed(q_);
+    else
+      return 0.0;
+  }
+  std::string culprit() override { return model_.culprit(t_, q_, v_); }
   Columns columns() const override { return model_.columns(); }
   Row row() override {
     Row row{t_, {}, measures(), {}};
@@ -163,6 +192,10 @@ class Motion final : public Simulation {
   const Vector& v() const { return v_; }
 
  private:
+  static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  /// A tolerance that takes more of these in one step of the run will not be met in a lifetime.
+  static constexpr long most_parts = 100000;
+
   template <class Acceleration>
   double step(Acceleration& acceleration, double h) {
     ++steps_;

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "measure/simulation.hpp"
 #include "parabola/scene.hpp"
@@ -66,7 +69,15 @@ class ImplicitBead {
   Vector initial_velocity() const { return Vector::Zero(); }
 
   measure::Measures measures(double, const Vector& x, const Vector& v) const {
-    return {scene_.energy(x, v), std::abs(C(x)), std::abs(gradient(x).dot(v))};
+    return {.energy = scene_.energy(x, v),
+            .constraint_error = std::abs(C(x)),
+            .velocity_error = std::abs(gradient(x).dot(v)),
+            .kinetic = scene_.kinetic(v),
+            .drive = scene_.drive()};
+  }
+  double free_acceleration() const { return F_.norm() / scene_.mass; }
+  std::string culprit(double, const Vector& x, const Vector&) const {
+    return fmt::format("the curve is off by C = {:.2g} m²", C(x));
   }
 
   measure::Columns columns() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 
 namespace parabola {
 
@@ -19,8 +20,11 @@ struct Scene {
 
   /// Kinetic and potential energy [J]; zero at rest at the origin.
   double energy(const Eigen::Vector2d& x, const Eigen::Vector2d& v) const {
-    return 0.5 * mass * v.squaredNorm() - applied_force().dot(x);
+    return kinetic(v) - applied_force().dot(x);
   }
+  double kinetic(const Eigen::Vector2d& v) const { return 0.5 * mass * v.squaredNorm(); }
+  /// How fast √(2·kinetic) grows at most [N/√kg].
+  double drive() const { return applied_force().norm() / std::sqrt(mass); }
 };
 
 }  // namespace parabola

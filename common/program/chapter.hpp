@@ -8,6 +8,7 @@
 #include "measure/ladder.hpp"
 #include "measure/simulation.hpp"
 #include "program/options.hpp"
+#include "program/stability.hpp"
 
 #ifdef TUTORIAL_PICTURES
 #include "program/pictures.hpp"
@@ -44,6 +45,9 @@ struct Chapter {
   /// Sets what `report` needs where the reader has left it at its default.
   std::function<void()> before_report;
 
+  /// The stiff and extreme cases of `stability`; empty for a scene that has none, and no command.
+  std::function<Stability()> stability;
+
 #ifdef TUTORIAL_PICTURES
   /// The pictures of the lesson; empty for a scene that has none, and no `snapshot`.
   std::function<std::vector<Picture>(const RunOptions&)> pictures;
@@ -52,9 +56,9 @@ struct Chapter {
 #endif
 };
 
-/// The program of a chapter: `run`, `snapshot`, `report`. Returns the exit status: 0 on success,
-/// 2 on unusable arguments, 1 when the work could not be finished; both with one line on standard
-/// error.
+/// The program of a chapter: `run`, `snapshot`, `report`, `stability`. Returns the exit status: 0
+/// on success, 2 on unusable arguments, 1 when the work could not be finished; both with one line
+/// on standard error.
 int run_chapter(int argc, char** argv, const Chapter& chapter);
 
 }  // namespace program

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <string>
 #include <utility>
@@ -10,6 +12,7 @@
 
 #include "dynamics/system.hpp"
 #include "measure/simulation.hpp"
+#include "program/singular_poses.hpp"
 
 namespace program {
 
@@ -27,7 +30,9 @@ class Mechanism {
   /// Work [J] of the loads that have no potential, up to state q. Empty: none.
   std::function<double(const Vector& q)> work;
 
-  explicit Mechanism(const measure::Method& method) { system.set_feedback(method.ks, method.kd); }
+  explicit Mechanism(const measure::Method& method) : ks_(method.ks) {
+    system.set_feedback(method.ks, method.kd);
+  }
 
   /// Reports the force [N] and moment [N·m] of a joint on one of its things under a name.
   template <class Thing>
@@ -60,7 +65,7 @@ class Mechanism {
       notes_.push_back(fmt::format(
           "start: off its constraints by {:.2g}; projected onto them, which moved it by {:.2g}",
           assembly.C_before, assembly.moved));
-    else if (assembly.Jv_before > 1e-9 * (1.0 + v_.lpNorm<Eigen::Infinity>()))
+    else if ((v_ - system.initial_v()).norm() > 1e-9 * system.initial_v().norm())
       notes_.push_back(fmt::format(
           "start: its velocities broke the constraints by {:.2g}; projected", assembly.Jv_before));
   }
@@ -69,6 +74,7 @@ class Mechanism {
   Vector initial_velocity() const { return v_; }
   std::vector<std::string> notes() const {
     std::vector<std::string> notes = notes_;
+    for (const std::string& note : poses_.notes()) notes.push_back(note);
     if (left_open_ > 0)
       notes.push_back(
           fmt::format("projection: {} times it could not bring the state back onto the constraints",
@@ -83,9 +89,33 @@ class Mechanism {
     if (!system.project(q, v).converged) ++left_open_;
   }
 
-  measure::Measures measures(double, const Vector& q, const Vector& v) {
-    return {system.energy(q, v), system.constraint_error(q), system.velocity_error(q, v),
-            work ? work(q) : 0.0};
+  measure::Measures measures(double t, const Vector& q, const Vector& v) {
+    return {.energy = system.energy(q, v),
+            .constraint_error = system.constraint_error(q),
+            .velocity_error = system.velocity_error(q, v),
+            .work = work ? work(q) : 0.0,
+            .kinetic = system.kinetic_energy(v),
+            .drive = system.drive(t, q, v)};
+  }
+  double free_acceleration() { return system.free_acceleration(0.0, q_, v_); }
+  double feedback_speed(const Vector& q) {
+    return ks_ == 0.0 ? 0.0 : std::sqrt(ks_) * system.distance(q);
+  }
+
+  /// The poses that lost rank, as far as `observe` has seen them.
+  const std::vector<SingularPoses::Look>& singular_poses() const { return poses_.poses(); }
+
+  /// The thing that moves most and the row that is furthest off, in words.
+  std::string culprit(double t, const Vector& q, const Vector& v) {
+    const auto& things = system.things();
+    const auto moves_less = [&](const dynamics::ThingInfo& a, const dynamics::ThingInfo& b) {
+      return system.kinetic_energy(a, v) < system.kinetic_energy(b, v);
+    };
+    system.acceleration(t, q, v, a_);
+    const dynamics::RowState worst = system.worst_row();
+    return fmt::format("most of it in {}; furthest off is {} row {}, by {:.2g} {}",
+                       std::max_element(things.begin(), things.end(), moves_less)->name,
+                       worst.row.joint, worst.row.row, std::abs(worst.C), worst.unit);
   }
 
   measure::Columns columns() const {
@@ -111,6 +141,7 @@ class Mechanism {
       for (const Vector* part : {&q, &v})
         for (int i = 0; i < thing.dof; ++i) row.state.push_back((*part)[thing.column + i]);
     system.acceleration(t, q, v, a_);
+    poses_.look(t, system);
     for (const auto& [name, reaction] : reactions_)
       for (const double value : reaction(system, q)) row.reactions.push_back(value);
   }
@@ -118,6 +149,8 @@ class Mechanism {
  private:
   std::vector<std::pair<std::string, Reaction>> reactions_;
   std::vector<std::string> fixed_, notes_;
+  SingularPoses poses_;
+  double ks_;
   long left_open_ = 0;
   Vector q_, v_, a_;
 };

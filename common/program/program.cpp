@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "integrators/amplification.hpp"
+#include "measure/watch.hpp"
 #include "program/chapter.hpp"
 #include "program/files.hpp"
 #include "program/progress.hpp"
@@ -18,6 +19,7 @@ namespace {
 void say(const std::string& text) { std::fputs(text.c_str(), stderr); }
 
 constexpr double most_steps = 1e8;  // some minutes of work
+constexpr int cells_across = 24;    // of a stability map
 
 /// What the command line asks for, beside the scene's parameters.
 struct Request {
@@ -226,17 +228,35 @@ double rounded_down(double value) {
   return std::floor(value / unit) * unit;
 }
 
+/// The step up to which the feedback is stable, or nothing where it is stable as it is.
+std::optional<double> limit_of_feedback(const RunOptions& run) {
+  const auto& method = run.method;
+  if (method.stabilization != measure::Stabilization::feedback || method.tolerance > 0.0 ||
+      integrators::amplification(method.integrator, run.step, method.ks, method.kd) <= 1.0 + 1e-12)
+    return std::nullopt;
+  return rounded_down(integrators::largest_stable_step(method.integrator, method.ks, method.kd));
+}
+
 /// Once, when the feedback itself is unstable at this step.
 void warn_of_gains(const RunOptions& run) {
-  const auto& method = run.method;
-  if (method.stabilization != measure::Stabilization::feedback || method.tolerance > 0.0) return;
-  if (integrators::amplification(method.integrator, run.step, method.ks, method.kd) <= 1.0 + 1e-12)
-    return;
-  say(fmt::format(
-      "warning: feedback with ks = {:g} 1/s², kd = {:g} 1/s cannot be stable with {} at a step of "
-      "{:g} s, only up to {:.3g} s\n",
-      method.ks, method.kd, integrators::method(method.integrator).text, run.step,
-      rounded_down(integrators::largest_stable_step(method.integrator, method.ks, method.kd))));
+  if (const auto limit = limit_of_feedback(run))
+    say(fmt::format(
+        "warning: feedback with ks = {:g} 1/s², kd = {:g} 1/s cannot be stable with {} at a step "
+        "of {:g} s, only up to {:.3g} s\n",
+        run.method.ks, run.method.kd, integrators::method(run.method.integrator).text, run.step,
+        *limit));
+}
+
+/// What to try after a run that could not go on.
+std::string advice(const Chapter& chapter, const RunOptions& run) {
+  if (const auto limit = limit_of_feedback(run))
+    return fmt::format("a --step of {:.3g} s or less, smaller gains, or --stabilization projection",
+                       *limit);
+  std::string text = "a smaller --step";
+  if (run.method.tolerance > 0.0) text += ", a larger --tolerance";
+  if (chapter.has_constraints && run.method.stabilization == measure::Stabilization::none)
+    text += ", --stabilization projection";
+  return text + " or another --integrator";
 }
 
 // ----------------------------------------------------------------------------------------------
@@ -293,8 +313,7 @@ bool is_finite(const measure::Row& row) {
     return std::all_of(values.begin(), values.end(),
                        [](double value) { return std::isfinite(value); });
   };
-  return all(row.state) && all(row.reactions) && std::isfinite(row.measures.energy) &&
-         std::isfinite(row.measures.constraint_error) && std::isfinite(row.measures.velocity_error);
+  return all(row.state) && all(row.reactions);
 }
 
 void print_summary(const Chapter& chapter, const RunOptions& run,
@@ -345,15 +364,17 @@ void run_command(const Chapter& chapter, const Request& request) {
 
   const long steps = run.whole_steps();
   const double rest = run.remainder();
-  measure::Measures largest{0.0, 0.0, 0.0};
+  measure::Measures largest{};
   const double initial_balance = simulation->measures().balance();
+  measure::Watch watch(*simulation);
   Progress progress;
   double next_row = 0.0;
   measure::Row last;
   for (long done = 0;; ++done) {
     last = simulation->row();
+    watch.look(last.measures);
     if (!is_finite(last))
-      throw measure::Diverged(measure::at(last.t) + "the energy or a force is no longer finite");
+      throw measure::Diverged(measure::at(last.t) + "a force is no longer finite");
     largest.energy = std::max(largest.energy, std::abs(last.measures.balance() - initial_balance));
     largest.constraint_error = std::max(largest.constraint_error, last.measures.constraint_error);
     largest.velocity_error = std::max(largest.velocity_error, last.measures.velocity_error);
@@ -425,6 +446,86 @@ void report_command(const Chapter& chapter, const Request& request) {
   write(out / "error_vs_time.png", draw::encode_png(draw::render(request.page, picture.draw)));
 #endif
   if (chapter.also_report) chapter.also_report(out);
+}
+
+// -----------------------------------------------------------------------------------------
+// stability
+
+/// Whatever the chapter: no parameter takes what it does not allow.
+Case bad_input(const Chapter& chapter) {
+  return {"bad input, each of the scene's parameters", "taken although not allowed", accurate(0.0),
+          [parameters = chapter.parameters] {
+            double taken = 0.0;
+            for (const Parameter& parameter : parameters)
+              for (const std::string& text :
+                   {std::string("nan"), std::string("inf"), std::string("1e400"), std::string("x"),
+                    fmt::format("{:g}", 2.0 * parameter.allowed.high + 1.0),
+                    fmt::format("{:g}", -1.0 - 2.0 * std::abs(parameter.allowed.low))}) {
+                try {
+                  number(parameter.option, text, parameter.allowed, parameter.whole);
+                  taken += 1.0;
+                } catch (const UsageError&) {
+                }
+              }
+            return taken;
+          }};
+}
+
+void stability_command(const Chapter& chapter, const Request& request) {
+  prepare_folder(request.out);
+  Stability stability = chapter.stability();
+  stability.cases.push_back(bad_input(chapter));
+  std::vector<Verdict> verdicts;
+  std::vector<measure::Map> maps;
+  std::vector<measure::LongCurve> curves;
+  {
+    Progress progress;
+    for (const Case& trial : stability.cases) {
+      progress.show(
+          0.3 * static_cast<double>(verdicts.size()) / static_cast<double>(stability.cases.size()),
+          trial.name);
+      verdicts.push_back(judge(trial));
+    }
+    for (const measure::Plan& plan : stability.plans) {
+      const double before = 0.3 + 0.4 * static_cast<double>(maps.size()) / 5.0;
+      maps.push_back(
+          measure::measure_map(plan, cells_across, [&](double done, const std::string& what) {
+            progress.show(before + 0.08 * done, "map of " + what);
+          }));
+    }
+    const LongRun& run = stability.long_run;
+    for (const measure::LongMethod& method : run.methods) {
+      progress.show(
+          0.7 + 0.3 * static_cast<double>(curves.size()) / static_cast<double>(run.methods.size()),
+          "long run of " + method.method.label());
+      curves.push_back(measure::long_run(*run.start(method.method), method, run.steps, run.step));
+    }
+  }
+  const std::filesystem::path out(request.out);
+  const auto write = [](const std::filesystem::path& path, const std::string& content) {
+    write_file(path, content);
+    fmt::print("{}\n", path.string());
+  };
+  fmt::print("{}: stability\n\n{}\n{}\n", chapter.title, table(verdicts), table(agreements(maps)));
+  if (!curves.empty())
+    fmt::print("{} steps of {:g} s\n{}\n", stability.long_run.steps, stability.long_run.step,
+               table(curves));
+  write(out / "stability.csv", csv(verdicts));
+  write(out / "stability_map.csv", csv(maps));
+  if (!curves.empty()) write(out / "long_run.csv", csv(curves));
+#ifdef TUTORIAL_PICTURES
+  const auto draw_picture = [&](const Picture& picture) {
+    write(out / (picture.name + ".png"),
+          draw::encode_png(draw::render(request.page, picture.draw)));
+  };
+  draw_picture(map_picture(maps, stability.map_remark));
+  if (!curves.empty()) draw_picture(long_run_picture(curves, stability.long_run.step));
+#endif
+  const auto unexpected = std::count_if(verdicts.begin(), verdicts.end(),
+                                        [](const Verdict& v) { return !v.as_expected; });
+  if (unexpected > 0)
+    throw std::runtime_error(fmt::format("{} of {} cases did not end as expected; see the table",
+                                         unexpected, verdicts.size()));
 }
 
 // -----------------------------------------------------------------------------------------
@@ -546,6 +647,13 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
     report_command(chapter, ladder_request);
   });
 
+  if (chapter.stability) {
+    CLI::App* stability =
+        app.add_subcommand("stability", "the stiff and extreme cases: tables as CSV, maps as PNG");
+    add_out(*stability, request);
+    stability->callback([&] { stability_command(chapter, request); });
+  }
+
   const auto complain = [&](const std::string& message, int status) {
     say(fmt::format("{}: {}\n", chapter.directory, one_line(message)));
     return status;
@@ -570,9 +678,7 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
     return complain(error.what(), 2);
   } catch (const measure::Diverged& diverged) {
     return complain(
-        fmt::format("stopped {}; try a smaller --step or another --integrator{}", diverged.what(),
-                    request.tolerance ? ", or a larger --tolerance" : ""),
-        1);
+        fmt::format("stopped {}; try {}", diverged.what(), advice(chapter, request.run)), 1);
   } catch (const std::exception& error) {
     return complain(error.what(), 1);
   }

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <memory>
+
+#include "exact.hpp"
+#include "parabola/implicit_bead.hpp"
+#include "program/stability.hpp"
+
+namespace particle_on_curve {
+
+/// The stiff and extreme cases of the bead, each with the outcome that is expected of it.
+inline program::Stability stability() {
+  using integrators::Name;
+  using measure::Stabilization;
+  using parabola::Scene;
+  using program::accurate;
+  using program::degraded;
+  using program::drift;
+  using program::energy_error;
+  using program::refused;
+
+  const auto of = [](const Scene& scene) -> measure::Start {
+    return [scene](const measure::Method& method) {
+      return std::make_unique<measure::Motion<parabola::ImplicitBead>>(
+          parabola::ImplicitBead(scene, method.ks, method.kd), method);
+    };
+  };
+  const measure::Method rk4{Name::rk4}, projected{Name::rk4, Stabilization::projection},
+      feedback{Name::rk4, Stabilization::feedback, 4.0, 4.0},
+      midpoint{Name::implicit_midpoint, Stabilization::projection};
+  const auto place = [=](const Scene& scene, const measure::Method& method, long steps, double h) {
+    return program::final_error(
+        of(scene), [=](const measure::Row& row) { return errors(scene, row); }, 0, method, steps,
+        h);
+  };
+  const auto in_other_units = [=](const program::Units& units, const measure::Method& method) {
+    return [=] {
+      const auto& [L, T, m] = units;
+      const Scene here{.force_x = 2.0};
+      const Scene there{here.x0 * L, here.mass * m, here.gravity * L / (T * T), here.p * L,
+                        here.force_x * m * L / (T * T)};
+      measure::Method scaled = method;
+      scaled.ks /= T * T;
+      scaled.kd /= T;
+      return program::difference(units, *of(here)(method), *of(there)(scaled), 1000, 0.01);
+    };
+  };
+
+  program::Stability stability;
+  // [cases]
+  stability.cases = {
+      {"at rest at the bottom", "place, m", accurate(0.0), place({.x0 = 0.0}, rk4, 1000, 0.01)},
+      {"a swing of 1e-6 m", "place, m", accurate(1e-13), place({.x0 = 1e-6}, rk4, 2000, 0.01)},
+      {"from 1e4 m, where the slope is 200", "energy error, relative", accurate(1e-6),
+       energy_error(of({.x0 = 1e4}), projected, 20000, 0.01)},
+      {"p = 0.05 m: radius 0.05 m, start at 1 m", "place, m", accurate(1e-6),
+       place({.x0 = 1.0, .p = 0.05}, projected, 40000, 5e-5)},
+      {"the same with steps of 1e-2 s", "place, m", degraded(1e-4, 2.0),
+       place({.x0 = 1.0, .p = 0.05}, projected, 200, 1e-2)},
+      {"mass 1e8 kg", "place, m", accurate(1e-6), place({.mass = 1e8}, projected, 2000, 0.01)},
+      {"mass 1e-8 kg", "place, m", accurate(1e-6), place({.mass = 1e-8}, projected, 2000, 0.01)},
+      {"gravity 1e6 m/s², steps of 1e-5 s", "place, m", accurate(1e-6),
+       place({.gravity = 1e6}, projected, 20000, 1e-5)},
+      {"force of 1e6 N across, steps of 1e-5 s", "place, m", accurate(1e-6),
+       place({.force_x = 1e6}, projected, 2000, 1e-5)},
+      {"lengths in µm, masses in 1e-8 kg", "difference, relative", accurate(1e-12),
+       in_other_units({1e6, 1.0, 1e8}, projected)},
+      {"lengths in Mm, times in ms", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, rk4)},
+      {"the same with feedback", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, feedback)},
+      {"the same with implicit_midpoint", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, midpoint)},
+      {"the same with dop853, tolerance 1e-8", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, {Name::dop853, Stabilization::projection, 0, 0, 1e-8})},
+      {"feedback past its limit: h√ks = 3", "", refused("kinetic energy"),
+       energy_error(of({}), {Name::rk4, Stabilization::feedback, 9e4, 600.0}, 20000, 0.01)},
+      {"steps of 5 s with explicit_euler", "", refused("kinetic energy"),
+       energy_error(of({}), {Name::explicit_euler}, 1000, 5.0)},
+      {"1e6 steps, rk4 + projection", "energy error, relative", accurate(1e-8),
+       energy_error(of({}), projected, 1000000, 0.01)},
+      {"1e6 steps, rk4 alone: off the curve", "|C|, m²", degraded(1e-3, 1e3),
+       drift(of({}), rk4, 1000000, 0.01)},
+      {"1e6 steps, rk4 + feedback", "|C|, m²", accurate(1e-4),
+       drift(of({}), feedback, 1000000, 0.01)},
+  };
+  // [cases]
+
+  const measure::FeedbackTrial trial{.step = 1e-3, .nudge = 0.01};
+  for (program::Case& limit : program::limit_cases(of({}), trial))
+    stability.cases.push_back(std::move(limit));
+  stability.plans = measure::feedback_plans(of({}), trial);
+  stability.map_remark = "Curved or not, the constraint obeys the test equation.";
+  return stability;
+}
+
+}  // namespace particle_on_curve

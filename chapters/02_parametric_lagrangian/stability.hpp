@@ -1,0 +1,149 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "exact.hpp"
+#include "integrators/amplification.hpp"
+#include "parametric_bead.hpp"
+#include "program/stability.hpp"
+
+namespace parametric_lagrangian {
+
+/// Whether a swing stays what it is: its energy grows neither from the second quarter of 4000 steps
+/// to the last, nor to more than `most_growth` times the first. h_omega: the step times √(g/p), the
+/// rate of small swings; part: the start as a part of p.
+inline bool swing_stays(integrators::Name name, double h_omega, double part, double most_growth) {
+  const parabola::Scene scene{.x0 = part * 50.0};
+  const double h = h_omega * std::sqrt(scene.p / scene.gravity);
+  measure::Motion<ParametricBead> bead(ParametricBead(scene), {name});
+  const double start = bead.measures().energy;
+  double quarters[4] = {};
+  try {
+    for (double& most : quarters)
+      for (int step = 0; step < 1000; ++step) {
+        bead.advance(1, h);
+        most = std::max(most, bead.measures().energy);
+      }
+  } catch (const measure::Diverged&) {
+    return false;
+  }
+  return quarters[3] <= 1.5 * quarters[1] && quarters[3] <= most_growth * start;
+}
+
+/// The largest h√(g/p) at which small swings stay, by bisection in 0 … 8.
+template <class Stays>
+double limit_of_swings(const Stays& stays) {
+  double stable = 0.0, unstable = 8.0;
+  for (int i = 0; i < 14; ++i) {
+    const double h_omega = 0.5 * (stable + unstable);
+    (stays(h_omega) ? stable : unstable) = h_omega;
+  }
+  return stable;
+}
+
+/// The stiff and extreme cases of the parametric bead, each with the outcome expected of it.
+inline program::Stability stability() {
+  using integrators::Name;
+  using parabola::Scene;
+  using program::accurate;
+  using program::degraded;
+  using program::energy_error;
+  using program::refused;
+
+  const auto of = [](const Scene& scene) -> measure::Start {
+    return [scene](const measure::Method& method) {
+      return std::make_unique<measure::Motion<ParametricBead>>(ParametricBead(scene), method);
+    };
+  };
+  const measure::Method rk4{Name::rk4}, midpoint{Name::implicit_midpoint}, dop853{Name::dop853};
+  const auto q = [=](const Scene& scene, const measure::Method& method, long steps, double h) {
+    return program::final_error(
+        of(scene), [=](const measure::Row& row) { return errors(scene, row); }, 0, method, steps,
+        h);
+  };
+  const auto in_other_units = [=](const program::Units& units, const measure::Method& method) {
+    return [=] {
+      const auto& [L, T, m] = units;
+      const Scene here{.force_x = 2.0};
+      const Scene there{here.x0 * L, here.mass * m, here.gravity * L / (T * T), here.p * L,
+                        here.force_x * m * L / (T * T)};
+      return program::difference(units, *of(here)(method), *of(there)(method), 1000, 0.01);
+    };
+  };
+
+  program::Stability stability;
+  // [cases]
+  stability.cases = {
+      {"at rest at the bottom", "place, m", accurate(0.0), q({.x0 = 0.0}, rk4, 1000, 0.01)},
+      {"a swing of 1e-6 m", "place, m", accurate(1e-14), q({.x0 = 1e-6}, rk4, 2000, 0.01)},
+      {"from 1e4 m, where the slope is 200", "energy error, relative", accurate(1e-9),
+       energy_error(of({.x0 = 1e4}), rk4, 20000, 0.01)},
+      {"p = 0.05 m: radius 0.05 m, start at 1 m", "place, m", accurate(1e-6),
+       q({.x0 = 1.0, .p = 0.05}, rk4, 40000, 5e-5)},
+      {"mass 1e8 kg", "place, m", accurate(1e-6), q({.mass = 1e8}, rk4, 2000, 0.01)},
+      {"mass 1e-8 kg", "place, m", accurate(1e-6), q({.mass = 1e-8}, rk4, 2000, 0.01)},
+      {"gravity 1e6 m/s², steps of 1e-5 s", "place, m", accurate(1e-6),
+       q({.gravity = 1e6}, rk4, 20000, 1e-5)},
+      {"force of 1e6 N across, steps of 1e-5 s", "place, m", accurate(1e-6),
+       q({.force_x = 1e6}, rk4, 2000, 1e-5)},
+      {"lengths in µm, masses in 1e-8 kg", "difference, relative", accurate(1e-12),
+       in_other_units({1e6, 1.0, 1e8}, rk4)},
+      {"lengths in Mm, times in ms", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, rk4)},
+      {"the same with implicit_midpoint", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, midpoint)},
+      {"the same with dop853, tolerance 1e-8", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, {Name::dop853, {}, 0, 0, 1e-8})},
+      {"steps of 1 s with explicit_euler", "", refused("kinetic energy"),
+       energy_error(of({}), {Name::explicit_euler}, 1000, 1.0)},
+      {"swings of 100 m, steps of 5 s with rk4", "", refused("kinetic energy"),
+       energy_error(of({}), rk4, 1000, 5.0)},
+  };
+  // [cases]
+  constexpr double small = 1e-6;
+  for (const auto& method : integrators::methods) {
+    const double theory = limit_of_swings([&](double h_omega) {
+      return integrators::amplification(method.name, h_omega, 1.0, 0.0) <= 1.0 + 1e-6;
+    });
+    const std::string name = theory > 7.9 ? fmt::format("{}: small swings at any step", method.text)
+                                          : fmt::format("{}: small swings to h√(g/p) = {:.3g}",
+                                                        method.text, theory < 0.01 ? 0.0 : theory);
+    stability.cases.push_back(
+        {name, "limit found, off theory's", accurate(0.02), [=, integrator = method.name] {
+           return std::abs(limit_of_swings([&](double h_omega) {
+                             return swing_stays(integrator, h_omega, small, 1e4);
+                           }) -
+                           theory);
+         }});
+  }
+
+  // Small swings are those of the test equation without damping, whatever their size.
+  constexpr double extents[] = {2.0, 3.0, 8.0, 4.0, 8.0};
+  for (const auto& method : integrators::methods)
+    stability.plans.push_back({method.name, "h √(g/p)", "start x0/p",
+                               extents[static_cast<std::size_t>(method.name)], 1.0,
+                               [name = method.name](double h_omega, double part) {
+                                 return swing_stays(name, h_omega, part, 100.0);
+                               },
+                               [name = method.name](double h_omega, double) {
+                                 return integrators::amplification(name, h_omega, 1.0, 0.0);
+                               },
+                               0.05});
+  stability.map_remark =
+      "Theory is that of small swings, the bottom row. The wider a swing, the shorter its steps "
+      "must "
+      "be, for the implicit method too: its equation then has no solution.";
+
+  stability.long_run = {.steps = 1000000,
+                        .step = 0.05,
+                        .methods = {{{Name::semi_implicit_euler}, false},
+                                    {midpoint, true},
+                                    {rk4, false},
+                                    {dop853, false}},
+                        .start = of({})};
+  return stability;
+}
+
+}  // namespace parametric_lagrangian

@@ -1,0 +1,188 @@
+#pragma once
+
+#include <memory>
+#include <numbers>
+
+#include "exact.hpp"
+#include "program/stability.hpp"
+#include "scene.hpp"
+
+namespace revolute {
+
+/// Two rods of unlike masses in a chain, level and at rest: a light one that carries a heavy one,
+/// or the other way round.
+inline program::Mechanism make_unlike(double m1, double m2, const measure::Method& method) {
+  program::Mechanism mechanism(method);
+  dynamics::System& system = mechanism.system;
+  system.set_gravity({0.0, 9.81});
+  const Vector2d start(-0.25, 0.0), end(0.25, 0.0);
+  const auto rod = [&](const char* name, double mass, double x) {
+    return system.add_body(name, mass, mass * 0.25 / 12.0, {x, 0.0});
+  };
+  const auto rod1 = rod("rod1", m1, 0.25), rod2 = rod("rod2", m2, 0.75);
+  system.add("rod1_world", joints::Revolute{start, {0.0, 0.0}}, rod1, system.world);
+  system.add("rod2_rod1", joints::Revolute{start, end}, rod2, rod1);
+  mechanism.assemble();
+  return mechanism;
+}
+
+/// A chain pinned at both ends, straight: the last pin's row along the chain depends on the others.
+/// Level under gravity it can neither fall nor carry its weight at finite tension; here it stands
+/// upright, in the line of gravity, and hangs.
+inline program::Mechanism make_taut(int N, const measure::Method& method) {
+  const Scene scene{.links = static_cast<double>(N), .angle0 = std::numbers::pi / 2};
+  program::Mechanism mechanism = make_mechanism(scene, method);
+  mechanism.system.add("end_world", joints::Revolute{{scene.l() / 2, 0.0}, {0.0, scene.length}},
+                       dynamics::Handle<dynamics::Body>{N - 1, 3 * (N - 1)},
+                       dynamics::System::world);
+  mechanism.assemble();
+  return mechanism;
+}
+
+/// The stiff and extreme cases of pendulum and chain, each with the outcome expected of it.
+inline program::Stability stability() {
+  using integrators::Name;
+  using measure::Method;
+  using measure::Stabilization;
+  using program::accurate;
+  using program::degraded;
+  using program::drift;
+  using program::energy_error;
+  using program::refused;
+  using Motion = measure::Motion<program::Mechanism>;
+
+  const auto of = [](const Scene& scene) -> measure::Start {
+    return [scene](const Method& method) {
+      return std::make_unique<Motion>(make_mechanism(scene, method), method);
+    };
+  };
+  const auto unlike = [](double m1, double m2) -> measure::Start {
+    return [=](const Method& method) {
+      return std::make_unique<Motion>(make_unlike(m1, m2, method), method);
+    };
+  };
+  const Method rk4{Name::rk4}, projected{Name::rk4, Stabilization::projection},
+      feedback{Name::rk4, Stabilization::feedback, 100.0, 20.0},
+      midpoint{Name::implicit_midpoint, Stabilization::projection},
+      dop853{Name::dop853, Stabilization::projection};
+  const auto place = [=](const Scene& scene, const Method& method, long steps, double h) {
+    return program::final_error(
+        of(scene), [=](const measure::Row& row) { return errors(scene, row); }, 0, method, steps,
+        h);
+  };
+  const auto in_other_units = [=](const program::Units& units, const Method& method) {
+    return [=] {
+      const auto& [L, T, m] = units;
+      const Scene here{.links = 3, .angle0 = 0.5};
+      const Scene there{here.links, here.length * L, here.mass * m, here.angle0,
+                        here.gravity * L / (T * T)};
+      Method scaled = method;
+      scaled.ks /= T * T;
+      scaled.kd /= T;
+      return program::difference(units, *of(here)(method), *of(there)(scaled), 100, 2e-3);
+    };
+  };
+
+  program::Stability stability;
+  // [cases]
+  stability.cases = {
+      {"a swing of 1e-6 rad", "place, m", accurate(1e-14),
+       place({.angle0 = std::numbers::pi / 2 - 1e-6}, rk4, 2000, 0.002)},
+      {"1e-3 rad from upright", "place, m", accurate(1e-6),
+       place({.angle0 = -std::numbers::pi / 2 + 1e-3}, projected, 2500, 0.002)},
+      {"length 1e-6 m, steps of 2e-6 s", "place, m", accurate(1e-12),
+       place({.length = 1e-6}, projected, 2500, 2e-6)},
+      {"length 1e6 m, steps of 2 s", "place, m", accurate(1.0),
+       place({.length = 1e6}, projected, 2500, 2.0)},
+      {"1000 links", "joint drift, m", accurate(1e-9),
+       drift(of({.links = 1000}), projected, 500, 2e-4)},
+      {"1000 links: energy", "energy error, relative", accurate(1e-6),
+       energy_error(of({.links = 1000}), projected, 500, 2e-4)},
+      {"1000 links, steps of 5e-4 s", "", refused("kinetic energy"),
+       energy_error(of({.links = 1000}), projected, 400, 5e-4)},
+      {"10 links against the exact answer, 0.5 s", "place, m", accurate(1e-6),
+       place({.links = 10}, projected, 1000, 5e-4)},
+      {"1e-8 kg carries 1 kg", "joint drift, m", accurate(1e-9),
+       drift(unlike(1e-8, 1.0), projected, 1000, 1e-3)},
+      {"1 kg carries 1e-8 kg", "joint drift, m", accurate(1e-9),
+       drift(unlike(1.0, 1e-8), projected, 1000, 1e-3)},
+      {"1 kg carries 1e8 kg", "joint drift, m", accurate(1e-9),
+       drift(unlike(1.0, 1e8), projected, 1000, 1e-3)},
+      {"1e8 kg carries 1 kg", "joint drift, m", accurate(1e-9),
+       drift(unlike(1e8, 1.0), projected, 1000, 1e-3)},
+      {"1e-8 kg carries 1 kg: energy", "energy error, relative", accurate(1e-6),
+       energy_error(unlike(1e-8, 1.0), projected, 1000, 1e-3)},
+      {"1e8 kg carries 1 kg: energy", "energy error, relative", accurate(1e-6),
+       energy_error(unlike(1e8, 1.0), projected, 1000, 1e-3)},
+      {"pinned twice in one place", "place, m", accurate(1e-6),
+       [=] {
+         program::Mechanism mechanism = make_mechanism({}, projected);
+         mechanism.system.add("again", joints::Revolute{{-0.5, 0.0}, {0.0, 0.0}},
+                              dynamics::Handle<dynamics::Body>{0, 0}, dynamics::System::world);
+         Motion motion(std::move(mechanism), projected);
+         motion.advance(1000, 0.002);
+         const measure::Row row = motion.row();
+         if (motion.model().system.dependent_rows().size() != 2) return 1.0;
+         return errors({}, row)[0];
+       }},
+      {"10 links pinned at both ends, straight", "off its place, m", accurate(1e-9),
+       [=] {
+         Motion motion(make_taut(10, projected), projected);
+         motion.row();
+         if (motion.model().system.dependent_rows().empty()) return 1.0;
+         const VectorXd start = motion.q();
+         motion.advance(100, 1e-3);
+         return (motion.q() - start).lpNorm<Eigen::Infinity>();
+       }},
+      {"a chain that does not reach its second pin", "", refused("cannot assemble"),
+       [] {
+         program::Mechanism mechanism = make_mechanism({.links = 2});
+         mechanism.system.add("end_world", joints::Revolute{{0.25, 0.0}, {3.0, 0.0}},
+                              dynamics::Handle<dynamics::Body>{1, 3}, dynamics::System::world);
+         mechanism.assemble();
+         return 0.0;
+       }},
+      {"a start 0.1 m off: projected first", "|C| after, m", accurate(1e-14),
+       [=] {
+         program::Mechanism mechanism(projected);
+         const auto rod = mechanism.system.add_body("rod", 1.0, 1.0 / 12.0, {0.6, 0.0});
+         mechanism.system.add("rod_world", joints::Revolute{{-0.5, 0.0}, {0.0, 0.0}}, rod,
+                              dynamics::System::world);
+         mechanism.assemble();
+         if (mechanism.notes().empty()) return 1.0;
+         return mechanism.system.constraint_error(mechanism.initial_position());
+       }},
+      {"lengths in µm, masses in 1e-8 kg", "difference, relative", accurate(1e-12),
+       in_other_units({1e6, 1.0, 1e8}, projected)},
+      {"lengths in Mm, times in ms", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, rk4)},
+      {"the same with feedback", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, feedback)},
+      {"the same with implicit_midpoint", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, midpoint)},
+      {"the same with dop853, tolerance 1e-8", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, {Name::dop853, Stabilization::projection, 0, 0, 1e-8})},
+      {"feedback past its limit: h√ks = 5", "", refused("kinetic energy"),
+       energy_error(of({}), {Name::rk4, Stabilization::feedback, 1e6, 2e3}, 2000, 0.005)},
+      {"steps of 0.5 s with explicit_euler", "", refused("kinetic energy"),
+       energy_error(of({}), {Name::explicit_euler, Stabilization::projection}, 1000, 0.5)},
+  };
+  // [cases]
+
+  const measure::FeedbackTrial trial{.step = 1e-5, .nudge = 1e-5};
+  for (program::Case& limit : program::limit_cases(of({}), trial))
+    stability.cases.push_back(std::move(limit));
+  stability.plans = measure::feedback_plans(of({.links = 2}), trial);
+  stability.map_remark = "Measured on a falling chain of two rods.";
+  stability.long_run = {.steps = 1000000,
+                        .step = 0.01,
+                        .methods = {{{Name::semi_implicit_euler, Stabilization::projection}, false},
+                                    {midpoint, false},
+                                    {rk4, false},
+                                    {projected, false},
+                                    {dop853, false}},
+                        .start = of({})};
+  return stability;
+}
+
+}  // namespace revolute

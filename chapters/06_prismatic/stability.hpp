@@ -1,0 +1,173 @@
+#pragma once
+
+#include <cmath>
+#include <memory>
+
+#include "exact.hpp"
+#include "integrators/amplification.hpp"
+#include "program/stability.hpp"
+#include "scene.hpp"
+
+namespace prismatic {
+
+/// The block on a level rail, held by a spring of stiffness k [N/m] and let go 0.1 m off its rest.
+/// The exact motion is 0.1 cos(√(k/m) t).
+inline program::Mechanism make_spring(double k, const measure::Method& method) {
+  const Scene scene{.incline = 0.0, .gravity = 0.0};
+  program::Mechanism mechanism(method);
+  dynamics::System& system = mechanism.system;
+  const auto block = system.add_body("block", scene.mass, scene.inertia(), {0.1, 0.0});
+  system.add("block_rail", joints::Prismatic{}, system.world, block);
+  system.apply(
+      block,
+      [k](double, const dynamics::Body& body) { return Eigen::Vector3d(-k * body.x.x(), 0, 0); },
+      [k](const dynamics::Body& body) { return 0.5 * k * body.x.x() * body.x.x(); });
+  mechanism.assemble();
+  return mechanism;
+}
+
+/// Whether the spring's oscillation stays bounded at a step of h_omega / √(k/m) [s].
+inline bool spring_stays(const measure::Method& method, double k, double h_omega) {
+  measure::Motion<program::Mechanism> motion(make_spring(k, method), method);
+  const double start = motion.measures().energy;
+  try {
+    for (int i = 0; i < 200; ++i) {
+      motion.advance(20, h_omega / std::sqrt(k));
+      if (!(motion.measures().energy < 1e3 * start)) return false;
+    }
+  } catch (const measure::Diverged&) {
+    return false;
+  }
+  return true;
+}
+
+/// The stiff and extreme cases of block and rail, each with the outcome expected of it.
+inline program::Stability stability() {
+  using integrators::Name;
+  using measure::Method;
+  using measure::Stabilization;
+  using program::accurate;
+  using program::drift;
+  using program::energy_error;
+  using program::refused;
+  using Motion = measure::Motion<program::Mechanism>;
+
+  const auto of = [](const Scene& scene) -> measure::Start {
+    return [scene](const Method& method) {
+      return std::make_unique<Motion>(make_mechanism(scene, method), method);
+    };
+  };
+  const Method rk4{Name::rk4}, projected{Name::rk4, Stabilization::projection},
+      feedback{Name::rk4, Stabilization::feedback, 100.0, 20.0},
+      midpoint{Name::implicit_midpoint, Stabilization::projection};
+  const auto place = [=](const Scene& scene, const Method& method, long steps, double h) {
+    return program::final_error(
+        of(scene), [=](const measure::Row& row) { return errors(scene, row); }, 0, method, steps,
+        h);
+  };
+  const auto in_other_units = [=](const program::Units& units, const Method& method) {
+    return [=] {
+      const auto& [L, T, m] = units;
+      const Scene here{.spin = 5.0};
+      Scene there = here;
+      for (double* length : {&there.width, &there.height, &there.r0}) *length *= L;
+      for (double* mass : {&there.mass, &there.rail_mass}) *mass *= m;
+      there.rail_inertia *= m * L * L;
+      there.spin /= T;
+      Method scaled = method;
+      scaled.ks /= T * T;
+      scaled.kd /= T;
+      return program::difference(units, *of(here)(method), *of(there)(scaled), 100, 1e-3);
+    };
+  };
+
+  program::Stability stability;
+  // [cases]
+  stability.cases = {
+      {"a level rail: at rest for 1e5 steps", "place, m", accurate(1e-12),
+       place({.incline = 0.0}, rk4, 100000, 1e-3)},
+      {"an upright rail: free fall", "place, m", accurate(1e-9),
+       place({.incline = 90.0}, rk4, 2000, 1e-3)},
+      {"block of 1e8 kg on the spinning rail", "joint drift, m or rad", accurate(1e-9),
+       drift(of({.mass = 1e8, .spin = 5.0}), projected, 1000, 1e-3)},
+      {"block of 1e-8 kg on the spinning rail", "joint drift, m or rad", accurate(1e-9),
+       drift(of({.mass = 1e-8, .spin = 5.0}), projected, 1000, 1e-3)},
+      {"block of 1e-8 kg: the motion", "place, m", accurate(1e-6),
+       place({.mass = 1e-8, .spin = 5.0}, projected, 1000, 1e-3)},
+      {"block of 1e8 kg: the motion", "place, m", accurate(1e-6),
+       place({.mass = 1e8, .spin = 5.0}, projected, 1000, 1e-3)},
+      {"rail at 1e4 rad/s, steps of 5e-7 s", "place, m", accurate(1e-6),
+       place({.spin = 1e4}, projected, 1000, 5e-7)},
+      {"rail at 1e4 rad/s, steps of 2e-3 s", "", refused("kinetic energy"),
+       energy_error(of({.spin = 1e4}), rk4, 1000, 2e-3)},
+      {"a second rail in the same line", "place, m", accurate(1e-9),
+       [=] {
+         const Scene scene;
+         program::Mechanism mechanism = make_incline(scene, projected);
+         mechanism.system.add(
+             "again", joints::Prismatic{.n_hat = across(scene.angle()), .theta0 = scene.angle()},
+             dynamics::System::world, dynamics::Handle<dynamics::Body>{0, 0});
+         Motion motion(std::move(mechanism), projected);
+         motion.advance(1000, 1e-3);
+         const measure::Row row = motion.row();
+         if (motion.model().system.dependent_rows().size() != 2) return 1.0;
+         return errors(scene, row)[0];
+       }},
+      {"lengths in µm, masses in 1e-8 kg", "difference, relative", accurate(1e-12),
+       in_other_units({1e6, 1.0, 1e8}, projected)},
+      {"lengths in Mm, times in ms", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, rk4)},
+      {"the same with feedback", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, feedback)},
+      {"the same with implicit_midpoint", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, midpoint)},
+      {"the same with dop853, tolerance 1e-8", "difference, relative", accurate(1e-12),
+       in_other_units({1e-6, 1e3, 1.0}, {Name::dop853, Stabilization::projection, 0, 0, 1e-8})},
+      {"feedback past its limit: h√ks = 5", "", refused("kinetic energy"),
+       energy_error(of({.spin = 5.0}), {Name::rk4, Stabilization::feedback, 6.25e6, 5e3}, 2000,
+                    0.002)},
+  };
+  // [cases]
+
+  // A stiff spring on the block: the limit of h √(k/m), for every stiffness the same.
+  for (const auto& method : integrators::methods) {
+    double theory = 0.0, unstable = 8.0;
+    for (int i = 0; i < 14; ++i) {
+      const double h_omega = 0.5 * (theory + unstable);
+      const bool stays = integrators::amplification(method.name, h_omega, 1.0, 0.0) <= 1.0 + 1e-3;
+      (stays ? theory : unstable) = h_omega;
+    }
+    for (const double k : {1e2, 1e6, 1e10}) {
+      const std::string name =
+          theory > 7.9 ? fmt::format("{:g} N/m, {}: any step", k, method.text)
+                       : fmt::format("{:g} N/m, {}: h√(k/m) to {:.3g}", k, method.text, theory);
+      stability.cases.push_back(
+          {name, "spring limit found, off theory's", accurate(0.05), [=, integrator = method.name] {
+             double found = 0.0, too_long = 8.0;
+             for (int i = 0; i < 14; ++i) {
+               const double h_omega = 0.5 * (found + too_long);
+               (spring_stays({integrator}, k, h_omega) ? found : too_long) = h_omega;
+             }
+             return std::abs(found - theory);
+           }});
+    }
+  }
+  stability.cases.push_back({"1e10 N/m, implicit_midpoint, steps of 0.01 s",
+                             "energy error, relative", accurate(1e-9), [] {
+                               const Method method{Name::implicit_midpoint};
+                               Motion motion(make_spring(1e10, method), method);
+                               const double start = motion.measures().energy;
+                               motion.advance(1000, 0.01);
+                               return std::abs(motion.measures().energy / start - 1.0);
+                             }});
+
+  const measure::Start spinning = of({.spin = 5.0});
+  const measure::FeedbackTrial trial{.step = 1e-4, .nudge = 1e-3};
+  for (program::Case& limit : program::limit_cases(spinning, trial))
+    stability.cases.push_back(std::move(limit));
+  stability.plans = measure::feedback_plans(spinning, trial);
+  stability.map_remark = "Measured on the spinning rail, with the block on its way out.";
+  return stability;
+}
+
+}  // namespace prismatic

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "measure/stability.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "program/pictures.hpp"
+#endif
+
+namespace program {
+
+/// What a case is expected to end in, written beside the case.
+struct Expected {
+  enum class Outcome { accurate, degraded, refused } outcome;
+  double least = 0.0, most = 0.0;  ///< the figure is in least … most; degraded: and no better
+  std::string message = {};        ///< a part of what a refusal says
+};
+inline Expected accurate(double most) { return {Expected::Outcome::accurate, 0.0, most}; }
+inline Expected degraded(double least, double most) {
+  return {Expected::Outcome::degraded, least, most};
+}
+inline Expected refused(std::string message) {
+  return {Expected::Outcome::refused, 0.0, 0.0, std::move(message)};
+}
+
+/// A stiff or extreme case of a scene.
+struct Case {
+  std::string name;    ///< "rod = crank, ten dead centres"
+  std::string figure;  ///< what `run` returns, with its unit: "energy error, relative"
+  Expected expected;
+  std::function<double()> run;  ///< what it throws is a refusal
+};
+
+/// How a case ended.
+struct Verdict {
+  std::string name, figure, expected, found;
+  bool as_expected;
+};
+
+/// A run of very many steps, for each of some methods.
+struct LongRun {
+  long steps = 0;  ///< 0: the chapter has none
+  double step = 0.0;
+  std::vector<measure::LongMethod> methods = {};
+  measure::Start start = {};
+};
+
+/// What `stability` of a chapter tries.
+struct Stability {
+  std::vector<Case> cases;
+  std::vector<measure::Plan> plans;
+  std::string map_remark;  ///< said under the map: what it teaches
+  LongRun long_run = {};
+};
+
+/// Runs one case.
+Verdict judge(const Case& trial);
+
+/// What cases measure over `steps` steps of h [s]: the largest |C|; the largest energy error, as a
+/// part of the kinetic energy; the error of a quantity against the exact answer at the end.
+std::function<double()> drift(const measure::Start& start, const measure::Method& method,
+                              long steps, double h);
+std::function<double()> energy_error(const measure::Start& start, const measure::Method& method,
+                                     long steps, double h);
+std::function<double()> final_error(const measure::Start& start, const measure::Errors& errors,
+                                    std::size_t quantity, const measure::Method& method, long steps,
+                                    double h);
+
+/// The measured limit of feedback at critical damping of each integrator against theory.
+std::vector<Case> limit_cases(const measure::Start& start, const measure::FeedbackTrial& trial);
+
+/// The same scene in two systems of units: how far the rows differ after `steps` steps of h [s],
+/// each kind of column (places, angles, forces ...) as a part of its largest value. The units of
+/// the second are so many of the first.
+struct Units {
+  double length, time, mass;
+};
+double difference(const Units& units, measure::Simulation& first, measure::Simulation& second,
+                  long steps, double h);
+
+/// How often a map is as theory says.
+struct Agreement {
+  std::string integrator;
+  int cells, compared, agreeing;
+};
+std::vector<Agreement> agreements(const std::vector<measure::Map>& maps);
+
+std::string table(const std::vector<Verdict>& verdicts);
+std::string table(const std::vector<Agreement>& agreements);
+std::string table(const std::vector<measure::LongCurve>& curves);
+
+/// Comma-separated values with a header; and back, for the documents.
+std::string csv(const std::vector<Verdict>& verdicts);
+std::string csv(const std::vector<measure::Map>& maps);
+std::string csv(const std::vector<measure::LongCurve>& curves);
+std::vector<Verdict> read_verdicts(const std::filesystem::path& path);
+std::vector<Agreement> read_agreements(const std::filesystem::path& path);
+std::vector<measure::LongCurve> read_curves(const std::filesystem::path& path);
+
+#ifdef TUTORIAL_PICTURES
+Picture map_picture(const std::vector<measure::Map>& maps, const std::string& remark);
+Picture long_run_picture(const std::vector<measure::LongCurve>& curves, double step);
+#endif
+
+}  // namespace program

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+
+#include "catch.hpp"
+#include "program/stability.hpp"
+
+/// That every stiff and extreme case of a chapter ends as the chapter says, that its maps agree
+/// with theory in `least` of the cells where both can be compared, and that its long runs grow or
+/// stay bounded as expected. Under the sanitizers, which are slow, the maps are coarse and the long
+/// runs are left out.
+inline void check_stability(const program::Stability& stability, double least = 1.0) {
+#ifdef __SANITIZE_ADDRESS__
+  constexpr int across = 6;
+#else
+  constexpr int across = 24;
+  const program::LongRun& run = stability.long_run;
+  for (const measure::LongMethod& method : run.methods) {
+    const measure::LongCurve curve =
+        measure::long_run(*run.start(method.method), method, run.steps, run.step);
+    INFO(curve.method << ": " << curve.failure);
+    CHECK(curve.bounded() == curve.expected_bounded);
+  }
+#endif
+  for (const program::Case& trial : stability.cases) {
+    const program::Verdict verdict = program::judge(trial);
+    INFO(verdict.name << ": expected " << verdict.expected << ", found " << verdict.found);
+    CHECK(verdict.as_expected);
+  }
+  CHECK(stability.plans.size() == integrators::methods.size());
+  for (const measure::Plan& plan : stability.plans) {
+    const measure::Map map = measure::measure_map(plan, across);
+    INFO(std::string(integrators::method(plan.integrator).text)
+         << ": " << map.agreeing() << " of " << map.compared());
+    CHECK(map.compared() > 0);
+    CHECK(map.agreeing() >= least * map.compared());
+  }
+}

@@ -1,0 +1,171 @@
+// What notices a run that diverges, and what judges the cases.
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <stdexcept>
+
+#include "catch.hpp"
+#include "integrators/amplification.hpp"
+#include "joints/revolute.hpp"
+#include "measure/watch.hpp"
+#include "program/mechanism.hpp"
+#include "program/stability.hpp"
+
+namespace {
+
+using integrators::Name;
+using measure::Method;
+using measure::Stabilization;
+using program::Mechanism;
+using Motion = measure::Motion<Mechanism>;
+
+/// A uniform rod of 1 m and 1 kg, pinned at its start; level and at rest, in free fall without pin.
+Mechanism rod(const Method& method, bool pinned = true) {
+  Mechanism mechanism(method);
+  mechanism.system.set_gravity({0.0, 9.81});
+  const auto body = mechanism.system.add_body("rod", 1.0, 1.0 / 12.0, {0.5, 0.0});
+  if (pinned)
+    mechanism.system.add("rod_world", joints::Revolute{{-0.5, 0.0}, {0.0, 0.0}}, body,
+                         dynamics::System::world);
+  mechanism.assemble();
+  return mechanism;
+}
+
+std::string message(Motion& motion, long steps, double h) {
+  try {
+    measure::run_and_watch(motion, steps, h);
+  } catch (const measure::Diverged& diverged) {
+    return diverged.what();
+  }
+  return "";
+}
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("drive and kinetic energy: a free fall gains just what the bound allows") {
+  // √(2T) = √m g t and √(FᵀWF) = √m g: the bound of Watch is met with equality.
+  Motion fall(rod({}, false), {});
+  fall.advance(100, 0.01);
+  const measure::Measures now = fall.measures();
+  CHECK(std::sqrt(2.0 * now.kinetic) == Approx(9.81).epsilon(1e-12));
+  CHECK(now.drive == Approx(9.81).epsilon(1e-15));
+  // Under a pin the kinetic energy stays below it.
+  Motion swing(rod({}), {});
+  for (int i = 0; i < 500; ++i) {
+    swing.advance(1, 0.002);
+    const measure::Measures at = swing.measures();
+    REQUIRE(std::sqrt(2.0 * at.kinetic) < 9.81 * swing.time());
+  }
+}
+
+TEST_CASE("distance to the constraints: what the least push in the mass metric has to cover") {
+  // Off along the rod by δ, the rod moves as a whole: √m δ. Off across it the pin's end turns as
+  // well: of a push at the end of a uniform rod a quarter counts as mass, √(m/4) δ.
+  Mechanism mechanism = rod({});
+  Eigen::VectorXd q = mechanism.initial_position();
+  q[0] += 0.01;
+  CHECK(mechanism.system.distance(q) == Approx(0.01).epsilon(1e-12));
+  q[0] -= 0.01;
+  q[1] += 0.01;
+  CHECK(mechanism.system.distance(q) == Approx(0.005).epsilon(1e-12));
+}
+
+TEST_CASE("a run that diverges is noticed: when, where, by which measure") {
+  const Method wild{Name::rk4, Stabilization::feedback, 9e6, 6e3};  // h√ks = 3
+  Motion motion(rod(wild), wild);
+  motion.nudge(1e-6);
+  const std::string text = message(motion, 2000, 1e-3);
+  INFO(text);
+  CHECK(holds(text, "at t = "));
+  CHECK(holds(text, "kinetic energy"));
+  CHECK(holds(text, "most of it in rod"));
+  CHECK(holds(text, "rod_world row"));
+  CHECK(motion.time() < 1.0);  // long before anything overflows
+  CHECK(motion.row().measures.finite());
+
+  const Method tame{Name::rk4, Stabilization::feedback, 6.25e6, 5e3};  // h√ks = 2.5
+  Motion stable(rod(tame), tame);
+  stable.nudge(1e-6);
+  CHECK(message(stable, 2000, 1e-3).empty());
+}
+
+TEST_CASE("feedback from a wrong start may move as fast as it must") {
+  // An undamped spring of √ks = 1000 1/s pulls the rod back over 0.3 m: 300 m/s and no divergence.
+  const Method pull{Name::rk4, Stabilization::feedback, 1e6, 0.0};
+  Motion motion(rod(pull), pull);
+  motion.nudge(0.3);
+  CHECK(message(motion, 200, 1e-4).empty());
+  CHECK(motion.measures().kinetic > 1.0);
+}
+
+TEST_CASE("a tolerance that takes too many steps ends the run") {
+  const Method method{Name::dop853, Stabilization::none, 0.0, 0.0, 1e-14};
+  Motion motion(rod(method), method);
+  CHECK(holds(message(motion, 1, 1e6), "too many steps"));
+}
+
+TEST_CASE("a case is as expected only when its outcome is the one written beside it") {
+  const auto ends = [](program::Expected expected, std::function<double()> run) {
+    return program::judge({"", "", std::move(expected), std::move(run)}).as_expected;
+  };
+  const auto gives = [](double figure) { return [=] { return figure; }; };
+  const auto refuses = [](const char* text) {
+    return [=]() -> double { throw std::runtime_error(text); };
+  };
+  CHECK(ends(program::accurate(1e-6), gives(1e-7)));
+  CHECK_FALSE(ends(program::accurate(1e-6), gives(1e-5)));
+  CHECK_FALSE(ends(program::accurate(1e-6), gives(std::nan(""))));
+  CHECK_FALSE(ends(program::accurate(1e-6), refuses("no")));
+  CHECK(ends(program::degraded(1e-6, 1e-3), gives(1e-4)));
+  CHECK_FALSE(ends(program::degraded(1e-6, 1e-3), gives(1e-8)));  // better is another outcome
+  CHECK_FALSE(ends(program::degraded(1e-6, 1e-3), gives(1.0)));
+  CHECK(ends(program::refused("too short"), refuses("the rod is too short")));
+  CHECK_FALSE(ends(program::refused("too short"), refuses("something else")));
+  CHECK_FALSE(ends(program::refused("too short"), gives(0.0)));
+}
+
+TEST_CASE("a map counts what differs from theory") {
+  // Ten cells of 0.2 across 0 ... 2. Theory: stable up to x = 1.05, which crosses the sixth column.
+  // "Measured": stable left of x = 0.5, so the columns at 0.5, 0.7 and 0.9 differ.
+  const measure::Plan plan{Name::rk4,
+                           "x",
+                           "y",
+                           2.0,
+                           1.0,
+                           [](double x, double) { return x < 0.5; },
+                           [](double x, double) { return x <= 1.05 ? 0.9 : 1.1; }};
+  const measure::Map map = measure::measure_map(plan, 10);
+  CHECK(map.compared() == 90);
+  CHECK(map.agreeing() == 60);
+}
+
+TEST_CASE("the limit of feedback that is measured on a joint is that of theory") {
+  const measure::Start start = [](const Method& method) {
+    return std::make_unique<Motion>(rod(method), method);
+  };
+  // Closed forms at critical damping: explicit Euler 2, semi-implicit Euler 2√2 − 2.
+  const measure::FeedbackTrial trial{.step = 1e-6, .nudge = 1e-6, .steps = 8000};
+  CHECK(measure::measured_limit(Name::explicit_euler, start, trial) == Approx(2.0).epsilon(5e-3));
+  CHECK(measure::measured_limit(Name::semi_implicit_euler, start, trial) ==
+        Approx(2.0 * std::numbers::sqrt2 - 2.0).epsilon(5e-3));
+  CHECK(measure::theoretical_limit(Name::rk4) == Approx(2.7853).epsilon(1e-4));
+}
+
+TEST_CASE("the exponent of a long run") {
+  measure::LongCurve curve;
+  for (int k = 1; k <= 40; ++k) {
+    const double t = std::pow(10.0, 0.1 * k);
+    curve.looks.push_back({t, 1e-9 * t * t});
+  }
+  CHECK(curve.exponent() == Approx(2.0).epsilon(1e-9));
+  CHECK_FALSE(curve.bounded());
+  for (auto& look : curve.looks) look.energy_error = 1e-3;
+  CHECK(curve.bounded());
+  for (auto& look : curve.looks) look.energy_error = 1.0;  // all of it is gone
+  CHECK_FALSE(curve.bounded());
+}
