@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -269,4 +270,53 @@ TEST_CASE("feedback beyond the limit of the step is warned about once") {
   CHECK(std::count(wild.err.begin(), wild.err.end(), '\n') == 1);
   CHECK(holds(wild.err, "up to 0.00928 s"));  // 2.7853 / 300
   CHECK(shell(p + "--ks 100").err.empty());
+}
+
+TEST_CASE(
+    "a run that diverges says when, where, by which measure and what to try; its rows stand") {
+  const Result result = shell(program("07_slider_crank") + " run --ks 1e8 --csv -");
+  CHECK(result.status == 1);
+  for (const char* part : {"stopped at t = 0.00", "kinetic energy", "most of it in ", " row ",
+                           "--step of 0.000278 s or less", "--stabilization projection"}) {
+    INFO(part << " in " << result.err);
+    CHECK(holds(result.err, part));
+  }
+  const std::vector<std::string> lines = split(result.out, '\n');
+  REQUIRE(lines.size() > 2);
+  for (std::size_t i = 1; i < lines.size(); ++i)
+    for (const std::string& cell : split(lines[i], ',')) CHECK(std::isfinite(std::stod(cell)));
+}
+
+TEST_CASE("the summary lists the times without full rank and the rows that depended") {
+  const Result result =
+      shell(program("07_slider_crank") +
+            " run --rod 0.3 --torque 0 --gravity 0 --omega0 9 --theta0 0 --duration 4 "
+            "--stabilization projection");
+  REQUIRE(result.status == 0);
+  // A dead centre at every odd multiple of a quarter turn that the wheel has passed.
+  const std::size_t at = result.out.find("wheel.theta");
+  const double theta = std::stod(result.out.substr(at + 11));
+  const int passed = static_cast<int>(theta / std::numbers::pi + 0.5);
+  CHECK(passed > 4);
+  CHECK(holds(result.out, fmt::format("J loses rank {} times, at t = ", passed)));
+  CHECK(holds(result.out, "(slider_rod row 2)"));
+  // None at all where the rod is longer, if only by a little, or the crank stays away.
+  CHECK_FALSE(holds(shell(program("07_slider_crank") + " run --rod 0.31").out, "loses rank"));
+  CHECK_FALSE(holds(shell(program("07_slider_crank") + " run").out, "loses rank"));
+}
+
+TEST_CASE("stability writes its table and its map, and says how many cases ended otherwise") {
+  const Folder folder;
+  const Result result = shell(fmt::format(
+      "{} stability --out {}", program("01_particle_on_curve_implicit"), folder.path.string()));
+  CHECK(result.status == 0);
+  CHECK(result.err.empty());
+  CHECK(holds(result.out, "cases, 0 not as expected"));
+  CHECK(holds(slurp(folder.path / "stability.csv"), "case;measured;expected;found;as expected"));
+  CHECK(split(slurp(folder.path / "stability_map.csv"), '\n').size() == 1 + 5 * 24 * 24);
+#ifdef TUTORIAL_PICTURES
+  CHECK(slurp(folder.path / "stability_map.png").size() > 5000);
+#endif
+  check_refused(program("04_ground") + " stability --out /proc/none", "--out /proc/none");
+  check_refused(program("04_ground") + " stability --step 1", "--step");
 }

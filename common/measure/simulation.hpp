@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <concepts>
@@ -94,6 +95,11 @@ template <class Vector>
 bool is_finite(const Vector& values) {
   return values.allFinite();
 }
+inline long size(double) { return 1; }
+template <class Vector>
+long size(const Vector& values) {
+  return values.size();
+}
 
 /// A model is a state (q, v) of some vector type and its acceleration. One with constraints may
 /// have a way back onto them, project(q, v), and know its feedback_speed(q).
@@ -121,6 +127,7 @@ class Motion final : public Simulation {
                     epsilon * model_.free_acceleration()),
         projected_(method.stabilization == Stabilization::projection) {
     restart();
+    most_evaluations_ = most_work / std::max(1L, size(q_));
   }
 
   void restart() override {
@@ -140,15 +147,15 @@ class Motion final : public Simulation {
     };
     for (long i = 0; i < steps; ++i) {
       const double end = t_anchor_ + static_cast<double>(++intervals_since_anchor_) * h;
-      long parts = 0;
       for (double rest = h; rest > 0.0;) {
-        if (++parts > most_parts) throw Diverged(at(t_) + "the tolerance takes too many steps");
         rest -= step(acceleration, rest);
         if constexpr (requires { model_.project(q_, v_); })
           if (projected_) model_.project(q_, v_);
         t_ = end - rest;
         if (!is_finite(q_) || !is_finite(v_))
           throw Diverged(at(t_) + first_not_finite() + " is no longer finite");
+        if (rest > 0.0 && evaluations_ > most_evaluations_)
+          throw Diverged(at(t_) + "the tolerance takes too many steps");
       }
     }
   }
@@ -193,8 +200,8 @@ class Motion final : public Simulation {
 
  private:
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  /// A tolerance that takes more of these in one step of the run will not be met in a lifetime.
-  static constexpr long most_parts = 100000;
+  /// So many evaluations times coordinates are allowed to a tolerance: some seconds of work.
+  static constexpr long most_work = 100000000;
 
   template <class Acceleration>
   double step(Acceleration& acceleration, double h) {
@@ -226,6 +233,7 @@ class Motion final : public Simulation {
   M model_;
   integrators::Integrator<Vector> integrator_;
   bool projected_;
+  long most_evaluations_;
   Vector q_, v_;
   double t_, t_anchor_, h_;
   long intervals_since_anchor_, steps_, evaluations_;
