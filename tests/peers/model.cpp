@@ -94,7 +94,7 @@ std::optional<double> error(const Model& model, const State& state) {
   if (!ends.contains(links)) {
     const revolute::Scene scene{.links = double(links)};
     ends[links] = links == 1 ? revolute::exact_pendulum(scene, model.duration).end
-                             : revolute::ChainReference(scene).exact(model.duration).end;
+                             : revolute::ChainReference(scene).exact(model.duration)->end;
   }
   return (free_end(model, state) - ends[links]).norm();
 }
