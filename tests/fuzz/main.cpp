@@ -7,10 +7,8 @@
 // All in one process, so that a hundred thousand take minutes even under the sanitizers. inputs.cpp
 // makes the command lines; a program's own --help says which options there are.
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <sys/time.h>
 #include <unistd.h>
 
@@ -24,8 +22,9 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
+#include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -76,10 +75,20 @@ void remember(const std::string& line) {
   running[size] = '\0';
 }
 
+void say(const std::string& text) { dprintf(terminal, "%s", text.c_str()); }
+
 void say_what_ran(const char* reason) {
   for (const char* text :
        {"FAILURE: ", reason, "\n  ", static_cast<const char*>(running.data()), "\n"})
     if (write(terminal, text, std::strlen(text)) < 0) return;
+}
+
+/// What the sanitizer or the C library says of it went where standard error went.
+void show_captured() {
+  std::array<char, 4096> text;
+  off_t at = 0;
+  for (ssize_t n; (n = pread(STDERR_FILENO, text.data(), text.size(), at)) > 0; at += n)
+    if (write(terminal, text.data(), static_cast<std::size_t>(n)) < 0) return;
 }
 
 void out_of_time(int) {
@@ -89,6 +98,7 @@ void out_of_time(int) {
 
 void crashed(int signal) {
   say_what_ran("crashes");
+  show_captured();
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
@@ -97,7 +107,10 @@ void watch() {
   std::signal(SIGPROF, out_of_time);
   std::signal(SIGABRT, crashed);
 #ifdef __SANITIZE_ADDRESS__
-  __sanitizer_set_death_callback([] { say_what_ran("stopped by a sanitizer"); });
+  __sanitizer_set_death_callback([] {
+    say_what_ran("stopped by a sanitizer");
+    show_captured();
+  });
 #else
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL}) std::signal(signal, crashed);
 #endif
@@ -147,8 +160,7 @@ Result call(const Program& program, std::vector<std::string> arguments, double s
   limit_time(seconds);
   const int status = program.main(static_cast<int>(arguments.size()), argv.data());
   limit_time(0.0);
-  std::cout.flush();
-  std::fflush(nullptr);
+  std::fflush(nullptr);  // std::cout, too, since it is in step with stdout
   return {status, out.take(), err.take()};
 }
 
@@ -198,8 +210,7 @@ std::string check_message(const Result& result) {
   if (warned && result.status != 2) lines.erase(lines.begin());
   if (lines.size() != (result.status == 0 ? 0 : 1))
     return fmt::format("{} lines on standard error", lines.size());
-  if (result.status != 0 && warned && result.status == 2) return "a warning with status 2";
-  return {};
+  return result.status == 2 && warned ? "a warning in place of a reason" : "";
 }
 
 /// Looks at the files in the current folder, and clears it.
@@ -255,11 +266,9 @@ class Fuzzer {
     const bool progress = isatty(terminal) != 0;
     for (std::uint64_t i = 0; i < request_.inputs; ++i) {
       one(request_.from + i);
-      if (progress && i % 64 == 0)
-        dprintf(terminal, "\r%s of %s ", std::to_string(i).c_str(),
-                std::to_string(request_.inputs).c_str());
+      if (progress && i % 64 == 0) say(fmt::format("\r{} of {} ", i, request_.inputs));
     }
-    if (progress) dprintf(terminal, "\r%40s\r", "");
+    if (progress) say("\r\x1b[K");
     return failures_ == 0 ? 0 : 1;
   }
 
@@ -293,7 +302,7 @@ class Fuzzer {
     if (wrong.empty()) return;
     ++failures_;
     say_what_ran(wrong.c_str());
-    dprintf(terminal, "  %s\n", said.c_str());
+    say("  " + said + "\n");
   }
 
   Request request_;
@@ -344,7 +353,7 @@ int main(int argc, char** argv) {
     dprintf(screen, "%s", fuzzer.summary().c_str());
     return status;
   } catch (const std::exception& error) {
-    dprintf(terminal, "fuzz: %s\n", error.what());
+    say(fmt::format("fuzz: {}\n", error.what()));
     return 2;
   }
 }
