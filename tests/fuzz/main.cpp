@@ -30,11 +30,10 @@
 
 #include "inputs.hpp"
 
-#ifdef __SANITIZE_ADDRESS__
-#include <sanitizer/common_interface_defs.h>
-// The software renderer's threads upset the search for leaks at exit.
-extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
-#endif
+// A sanitizer that finds something ends in SIGABRT, so that what ran can be said. The software
+// renderer's threads upset the search for leaks at exit.
+extern "C" const char* __asan_default_options() { return "abort_on_error=1:detect_leaks=0"; }
+extern "C" const char* __ubsan_default_options() { return "abort_on_error=1:print_stacktrace=1"; }
 
 // The chapters' main functions, renamed by the build.
 int chapter_1_main(int, char**);
@@ -106,12 +105,7 @@ void crashed(int signal) {
 void watch() {
   std::signal(SIGPROF, out_of_time);
   std::signal(SIGABRT, crashed);
-#ifdef __SANITIZE_ADDRESS__
-  __sanitizer_set_death_callback([] {
-    say_what_ran("stopped by a sanitizer");
-    show_captured();
-  });
-#else
+#ifndef __SANITIZE_ADDRESS__  // which says more of these
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL}) std::signal(signal, crashed);
 #endif
 }
@@ -240,7 +234,6 @@ std::string check(const fuzz::Input& input, const Result& result) {
   if (wrong.empty() && table) wrong = check_table(result.out);
   if (wrong.empty() && result.status == 1 && !table && !result.out.empty())
     wrong = "prints a summary of what it could not finish";
-  if (wrong.empty()) wrong = check_files(input, result);
   return wrong;
 }
 
@@ -292,12 +285,15 @@ class Fuzzer {
     std::string wrong, said;
     try {
       const Result result = call(program, input.arguments, request_.seconds);
+      const std::string files = check_files(input, result);
       wrong = check(input, result);
+      if (wrong.empty()) wrong = files;
       said = result.err;
       if (wrong.empty()) ++ended_[static_cast<std::size_t>(result.status)];
     } catch (const std::exception& error) {
       limit_time(0.0);
       wrong = fmt::format("lets an exception out: {}", error.what());
+      check_files(input, {});
     }
     if (wrong.empty()) return;
     ++failures_;
