@@ -1,10 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
+#include <algorithm>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
-#include <boost/numeric/odeint.hpp>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -39,7 +40,8 @@ class Reduced {
         rod_mass(scene.rod_mass),
         slider_mass(scene.slider_mass),
         wheel_inertia(wheel_mass * Real(scene.wheel_radius) * Real(scene.wheel_radius) / 2),
-        rod_inertia(rod_mass * L * L / 12) {}
+        rod_inertia(rod_mass * L * L / 12),
+        pull(rod_mass * g * r / 2) {}
 
   struct Pose {
     Derivatives s, x, y, phi;
@@ -73,20 +75,168 @@ class Reduced {
     return (torque + rod_mass * g * at.y.first - half_dM * omega * omega) / M(at);
   }
 
-  /// τ (θ − θ0) − (V(θ) − V(θ0)) = τ δ + ½ mr g r (sin θ − sin θ0), the difference written as a
-  /// product so that it keeps its digits where δ is small.
-  Real work(Real theta0, Real delta) const {
-    return torque * delta + rod_mass * g * r * std::cos(theta0 + delta / 2) * std::sin(delta / 2);
+  /// An angle from which energy is counted, and the moment τ − V' there.
+  struct Mark {
+    Real theta, sine, cosine, moment;
+  };
+  Mark mark(Real theta) const {
+    const Real sine = std::sin(theta), cosine = std::cos(theta);
+    return {theta, sine, cosine, torque + pull * cosine};
+  }
+  /// The mark δ further on, to the digits of δ: the moment may all but vanish.
+  Mark moved(const Mark& from, Real delta) const {
+    const Real sine = std::sin(delta), half = std::sin(delta / 2), versine = 2 * half * half;
+    return {from.theta + delta, from.sine * std::cos(delta) + from.cosine * sine,
+            from.cosine * std::cos(delta) - from.sine * sine,
+            from.moment - pull * (from.cosine * versine + from.sine * sine)};
+  }
+  /// τ δ − (V(θ + δ) − V(θ)) = τ δ + ½ mr g r (sin(θ + δ) − sin θ). Where δ is small, moment times
+  /// δ comes first and what bends the curve after it, so that no digits are lost close to a
+  /// balance.
+  Real work(const Mark& from, Real delta) const {
+    const Real half = std::sin(delta / 2);
+    if (std::abs(delta) > 1)
+      return torque * delta +
+             2 * pull * half * (from.cosine * std::cos(delta / 2) - from.sine * half);
+    Real lag = 0, term = -delta * delta * delta / 6;  // sin δ − δ, by its series
+    for (int n = 5; n < 27; n += 2) {
+      lag += term;
+      term *= -delta * delta / static_cast<Real>(n * (n - 1));
+    }
+    return from.moment * delta + pull * (from.cosine * lag - from.sine * 2 * half * half);
   }
 
   Real r, L, torque, g, wheel_mass, rod_mass, slider_mass, wheel_inertia, rod_inertia;
+  Real pull;  ///< moment of the weight where the crank is level
 };
 
-/// The exact motion. Energy gives the speed at every angle, ½ M(θ) θ̇² = ½ M(θ0) ω0² + work(θ), so
-/// where the crank turns one way t(θ) is a quadrature, which is inverted; with θ = θ0 ± u² it has
-/// no singularity at a start from rest. Where the crank turns back the reduced equation is
-/// integrated with a relative tolerance of 1e-17, which keeps the energy to about 1e-14 of itself.
-/// All of it in long double.
+/// A part of the motion on which the crank turns one way, from `from` in the direction `way` (±1).
+/// There the angle gives the speed, by energy, and the time is a quadrature, ∫ dθ/θ̇. A place where
+/// the crank comes to rest is a singularity of it, which a parameter x of the angle takes away:
+///
+///     from a speed          |θ − from| = x
+///     from rest             |θ − from| = x²
+///     from rest to rest     |θ − from| = length sin²(x/2), x from 0 to π
+///
+/// Close to a place of rest the energy is counted from there, so that it keeps its digits.
+class Way {
+ public:
+  /// A parameter, and the time at which it is reached [s].
+  struct Point {
+    Real x, t;
+  };
+  static constexpr Real pi = std::numbers::pi_v<Real>;
+  static constexpr Real infinity = std::numeric_limits<Real>::infinity();
+
+  static Way moving(const Reduced& reduced, const Reduced::Mark& from, Real way, Real kinetic) {
+    return {reduced, from, way, kinetic, 0};
+  }
+  static Way from_rest(const Reduced& reduced, const Reduced::Mark& from, Real way) {
+    return {reduced, from, way, 0, infinity};
+  }
+  static Way between(const Reduced& reduced, const Reduced::Mark& from, Real way, Real length) {
+    return {reduced, from, way, 0, length};
+  }
+
+  Real theta(Real x) const { return from_.theta + way_ * distance(x); }
+  /// |θ̇|.
+  Real speed(Real x) const {
+    return std::sqrt(2 * std::max<Real>(0, kinetic(x)) / reduced_.M(reduced_.pose(theta(x))));
+  }
+
+  /// From x = 0 until `x` or the time `t` is reached, whichever comes first. Nothing where that
+  /// takes more work than there is left.
+  std::optional<Point> go(Real x, Real t) {
+    Point now{0, 0};
+    for (Real piece = longest; now.x < x; piece = std::min(2 * piece, longest)) {
+      Real next = 0;
+      std::optional<Real> time;
+      for (;; piece /= 4) {
+        next = std::min(x, after(now.x, piece));
+        if (evaluations_left_ <= 0 || !(next > now.x)) return std::nullopt;
+        if ((time = integrate(now.x, next, true))) break;
+      }
+      if (now.t + *time >= t) return Point{invert(now, next, t - now.t), t};
+      now = {next, now.t + *time};
+    }
+    return now;
+  }
+
+ private:
+  static constexpr Real longest = 2;  // piece of θ for each quadrature
+  static constexpr int points = 41;   // of each quadrature
+
+  Way(const Reduced& reduced, const Reduced::Mark& from, Real way, Real kinetic, Real length)
+      : reduced_(reduced),
+        from_(from),
+        to_(length > 0 && length < infinity ? reduced.moved(from, way * length) : from),
+        way_(way),
+        start_(kinetic),
+        length_(length) {}
+
+  bool to_rest() const { return length_ > 0 && length_ < infinity; }
+  Real distance(Real x) const {
+    if (length_ == 0) return x;
+    return to_rest() ? length_ * std::pow(std::sin(x / 2), Real(2)) : x * x;
+  }
+  Real distance_rate(Real x) const {
+    if (length_ == 0) return 1;
+    return to_rest() ? length_ * std::sin(x) / 2 : 2 * x;
+  }
+  Real after(Real x, Real piece) const {
+    if (length_ == 0) return x + piece;
+    return to_rest() ? x + piece / std::max(Real(1), length_) : std::sqrt(x * x + piece);
+  }
+  /// ½ M θ̇².
+  Real kinetic(Real x) const {
+    if (to_rest() && x > pi / 2)
+      return reduced_.work(to_, -way_ * length_ * std::pow(std::cos(x / 2), Real(2)));
+    return start_ + reduced_.work(from_, way_ * distance(x));
+  }
+  Real dt_dx(Real x) const { return distance_rate(x) / speed(x); }
+
+  /// ∫ dt/dx dx. Asked to doubt, nothing where the rule of half the points inside it is off by so
+  /// much that the rule itself could be off by more than rounding.
+  std::optional<Real> integrate(Real from, Real to, bool doubt) {
+    using Rule = boost::math::quadrature::gauss_kronrod<Real, points>;
+    if (from == to) return 0;
+    evaluations_left_ -= points;
+    Real error = 0;  // of the mean, times 2
+    const Real sum =
+        Rule::integrate([this](Real x) { return dt_dx(x); }, from, to, 0, Real(0), &error);
+    if (doubt && !(error * (to - from) / 2 <= 1e-13L * sum)) return std::nullopt;
+    return sum;
+  }
+
+  /// The x, up to `high`, that is reached so long after a point: by Newton's steps in a bracket.
+  Real invert(const Point& after, Real high, Real t) {
+    const Real scale = high;
+    Real low = after.x, x = low + (high - low) / 2;
+    for (int i = 0; i < 100; ++i) {
+      const Real excess = *integrate(after.x, x, false) - t;
+      (excess > 0 ? high : low) = x;
+      Real next = x - excess / dt_dx(x);
+      if (!(next >= low && next <= high)) next = low + (high - low) / 2;
+      const bool done = std::abs(next - x) <= 4 * std::numeric_limits<Real>::epsilon() * scale;
+      x = next;
+      if (done) break;
+    }
+    return x;
+  }
+
+  Reduced reduced_;
+  Reduced::Mark from_, to_;
+  Real way_, start_, length_;        // length: 0, of a way from a speed; infinite, from rest
+  long evaluations_left_ = 1000000;  // about a second
+};
+
+/// The exact motion, in long double. Energy gives the speed at every angle,
+///
+///     ½ M(θ) θ̇² = ½ M(θ0) ω0² + work(θ),
+///
+/// and with it every place where the crank turns back. Between two of them it swings for ever; from
+/// a single one, which lies ahead or behind, it runs away; and where there is none and no torque
+/// either, all revolutions take the same time.
 class Exact {
  public:
   struct State {
@@ -95,95 +245,123 @@ class Exact {
 
   explicit Exact(const Scene& scene)
       : reduced_(scene),
-        theta0_(scene.theta0),
+        mark_(reduced_.mark(scene.theta0)),
         omega0_(scene.omega0),
-        start_(reduced_.M(reduced_.pose(theta0_)) * omega0_ * omega0_ / 2) {
-    const Real push = reduced_.angular_acceleration(reduced_.pose(theta0_), 0);
-    sign_ = omega0_ != 0 ? (omega0_ > 0 ? 1 : -1) : (push < 0 ? -1 : 1);
+        start_(reduced_.M(reduced_.pose(mark_.theta)) * omega0_ * omega0_ / 2) {
+    const Real push = mark_.moment;
+    way_ = omega0_ != 0 ? (omega0_ > 0 ? 1 : -1) : (push < 0 ? -1 : 1);
     at_rest_for_ever_ = omega0_ == 0 && push == 0;
+    if (at_rest_for_ever_) return;
+    ahead_ = turn(way_);
+    behind_ = omega0_ == 0 ? Real(0) : turn(-way_);
   }
 
-  /// The state at t ≥ 0 [s].
-  State at(double t) const {
-    if (t == 0 || at_rest_for_ever_) return {theta0_, omega0_};
-    if (const auto state = by_quadrature(t)) return *state;
-    return by_integration(t);
-  }
-
-  /// By the inverted quadrature; nothing where the crank turns back before t.
-  std::optional<State> by_quadrature(double t) const {
-    Real sum = 0;
-    for (int piece = 0;; ++piece) {
-      const Real a = std::sqrt(step * piece), b = std::sqrt(step * (piece + 1));
-      const auto whole = time(a, b);
-      if (!whole || piece > most_pieces) return std::nullopt;
-      if (sum + *whole < t) {
-        sum += *whole;
-        continue;
-      }
-      Real low = a, high = b, u = a + (b - a) * (t - sum) / *whole;
-      for (int i = 0; i < 100; ++i) {
-        const auto part = time(a, u);
-        if (!part) return std::nullopt;
-        const Real excess = sum + *part - t;
-        (excess > 0 ? high : low) = u;
-        Real next = u - excess / *dt_du(u);
-        if (!(next >= low && next <= high)) next = (low + high) / 2;
-        const bool done = std::abs(next - u) <= 4 * std::numeric_limits<Real>::epsilon() * b;
-        u = next;
-        if (done) break;
-      }
-      const Real delta = sign_ * u * u;
-      return State{theta0_ + delta, sign_ * speed(delta)};
-    }
-  }
-
-  /// By the reduced equation of motion.
-  State by_integration(double t) const {
-    using Pair = std::array<Real, 2>;
-    boost::numeric::odeint::bulirsch_stoer<Pair, Real> stepper(1e-17L, 1e-17L);
-    Pair state{theta0_, omega0_};
-    const auto equation = [this](const Pair& now, Pair& rate, Real) {
-      rate = {now[1], reduced_.angular_acceleration(reduced_.pose(now[0]), now[1])};
-    };
-    boost::numeric::odeint::integrate_adaptive(stepper, equation, state, Real(0), Real(t),
-                                               Real(1e-3));
-    return {state[0], state[1]};
+  /// The state at t ≥ 0 [s]. Nothing where it would take more than about a second to compute: close
+  /// to a motion that takes for ever to reach the top, or after ten thousands of revolutions under
+  /// a torque; and nothing where the rounding of t alone is felt, after 10¹⁰ rad.
+  std::optional<State> at(double t) const {
+    if (t == 0 || at_rest_for_ever_) return State{mark_.theta, omega0_};
+    const auto state = ahead_ && behind_                   ? swinging(t)
+                       : ahead_                            ? turning_back(t)
+                       : behind_ && *behind_ < 2 * Way::pi ? running_away(t)
+                                                           : revolving(t);
+    if (!state || !(std::abs(state->theta - mark_.theta) < 1e10L)) return std::nullopt;
+    return state;
   }
 
  private:
-  static constexpr Real step = 0.25L;  // of θ, for each quadrature
-  static constexpr int most_pieces = 4000000;
+  /// How far it is in a direction (±1) to the first place where the crank comes to rest.
+  std::optional<Real> turn(Real way) const {
+    const Real torque = reduced_.torque, pull = reduced_.pull;
+    Real low = 0, high = 0;
+    if (std::abs(torque) < pull) {
+      // Energy has a top and a valley in each revolution, which differs from the next by 2πτ.
+      const auto to = [&](Real from, Real angle) {
+        const Real rest = std::fmod(way * (angle - from), 2 * Way::pi);
+        return rest < 0 ? rest + 2 * Way::pi : rest;
+      };
+      const Real top = std::acos(-torque / pull), valley = -top;
+      const Real first = to(mark_.theta, valley);
+      const Real least = start_ + reduced_.work(mark_, way * first);
+      const Real loss = -2 * Way::pi * way * torque;
+      if (least > 0 && loss <= 0) return std::nullopt;
+      high = first + (least > 0 ? std::ceil(least / loss) * 2 * Way::pi : 0);
+      low = std::max(Real(0), high - to(top, valley));
+    } else if (way * torque < 0) {
+      high = (start_ + 2 * pull) / std::abs(torque);
+    } else {
+      return std::nullopt;
+    }
+    const auto energy = [&](Real delta) { return start_ + reduced_.work(mark_, way * delta); };
+    if (!(energy(low) > 0)) low = 0;
+    for (int i = 0; i < 500; ++i) {
+      const Real middle = low + (high - low) / 2;
+      if (middle == low || middle == high) break;
+      (energy(middle) > 0 ? low : high) = middle;
+    }
+    return high;
+  }
 
-  /// ½ M θ̇² at θ0 + δ; negative where the crank cannot get.
-  Real kinetic(Real delta) const { return start_ + reduced_.work(theta0_, delta); }
-  Real speed(Real delta) const {
-    return std::sqrt(2 * std::max<Real>(0, kinetic(delta)) /
-                     reduced_.M(reduced_.pose(theta0_ + delta)));
+  std::optional<State> swinging(Real t) const {
+    const Real length = *behind_ + *ahead_;
+    Way way = Way::between(reduced_, reduced_.moved(mark_, -way_ * *behind_), way_, length);
+    const auto start =
+        way.go(2 * std::atan2(std::sqrt(*behind_), std::sqrt(*ahead_)), Way::infinity);
+    const auto half = way.go(Way::pi, Way::infinity);
+    if (!start || !half) return std::nullopt;
+    Real now = std::fmod(start->t + t, 2 * half->t);
+    const bool back = now > half->t;
+    if (back) now = 2 * half->t - now;
+    const auto end = way.go(Way::pi, now);
+    if (!end) return std::nullopt;
+    return State{way.theta(end->x), (back ? -way_ : way_) * way.speed(end->x)};
   }
-  std::optional<Real> dt_du(Real u) const {
-    const Real delta = sign_ * u * u;
-    if (!(kinetic(delta) > 0)) return std::nullopt;
-    return 2 * u / speed(delta);
+
+  std::optional<State> turning_back(Real t) const {
+    if (*ahead_ > 4) {  // it may not come that far
+      Way there = Way::moving(reduced_, mark_, way_, start_);
+      const auto end = there.go(*ahead_ - 3, t);
+      if (!end) return std::nullopt;
+      if (end->t == t) return State{there.theta(end->x), way_ * there.speed(end->x)};
+    }
+    return from_rest(reduced_.moved(mark_, way_ * *ahead_), -way_, *ahead_, t, true);
   }
-  std::optional<Real> time(Real a, Real b) const {
-    if (a == b) return 0;
-    bool turns_back = false;
-    Real error = 0;
-    const Real result = boost::math::quadrature::gauss_kronrod<Real, 41>::integrate(
-        [&](Real u) {
-          const auto value = dt_du(u);
-          turns_back |= !value;
-          return value.value_or(0);
-        },
-        a, b, 5, Real(1e-16), &error);
-    if (turns_back || !(error <= 1e-13L * result)) return std::nullopt;
-    return result;
+
+  std::optional<State> running_away(Real t) const {
+    return from_rest(reduced_.moved(mark_, -way_ * *behind_), way_, *behind_, t, false);
+  }
+
+  /// Past a single place of rest, before which (or after which) it is at θ0.
+  std::optional<State> from_rest(const Reduced::Mark& place, Real way_out, Real distance, Real t,
+                                 bool before) const {
+    Way way = Way::from_rest(reduced_, place, way_out);
+    const auto start = way.go(std::sqrt(distance), Way::infinity);
+    if (!start) return std::nullopt;
+    const Real now = before ? t - start->t : t + start->t;
+    const auto end = way.go(Way::infinity, std::abs(now));
+    if (!end) return std::nullopt;
+    return State{way.theta(end->x), (now < 0 ? -way_out : way_out) * way.speed(end->x)};
+  }
+
+  std::optional<State> revolving(Real t) const {
+    Way way = Way::moving(reduced_, mark_, way_, start_);
+    Real turns = 0;
+    if (reduced_.torque == 0) {
+      const auto once = way.go(2 * Way::pi, Way::infinity);
+      if (!once) return std::nullopt;
+      turns = std::floor(t / once->t);
+      t = std::fmod(t, once->t);
+    }
+    const auto end = way.go(Way::infinity, t);
+    if (!end) return std::nullopt;
+    return State{way.theta(end->x) + way_ * turns * 2 * Way::pi, way_ * way.speed(end->x)};
   }
 
   Reduced reduced_;
-  Real theta0_, omega0_, start_;
-  Real sign_ = 1;
+  Reduced::Mark mark_;
+  Real omega0_, start_;  // ½ M ω² at the start
+  Real way_ = 1;
+  std::optional<Real> ahead_, behind_;  // distances to where the crank is at rest
   bool at_rest_for_ever_ = false;
 };
 
@@ -220,11 +398,13 @@ inline Reactions reactions(const Scene& scene, const Exact::State& state) {
           slider_frame, frame_ground, static_cast<double>(at.s.value * N)};
 }
 
-/// Errors of a row: wheel angle [rad], its rate [rad/s], and all joint forces together [N].
+/// Errors of a row: wheel angle [rad], its rate [rad/s], and all joint forces together [N]. Empty
+/// where no exact answer is computed.
 inline std::vector<double> errors(const Scene& scene, const measure::Columns& columns,
                                   const measure::Row& row) {
-  const Exact::State state = Exact(scene).at(row.t);
-  const Reactions truth = reactions(scene, state);
+  const auto state = Exact(scene).at(row.t);
+  if (!state) return {};
+  const Reactions truth = reactions(scene, *state);
   const auto find = [](const std::vector<std::string>& names, const std::string& name) {
     return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
   };
@@ -238,8 +418,8 @@ inline std::vector<double> errors(const Scene& scene, const measure::Columns& co
                          (force("slider_frame") - truth.slider_frame).squaredNorm();
   const Real theta = row.state[find(columns.state, "wheel.theta")];
   const Real omega = row.state[find(columns.state, "wheel.omega")];
-  return {static_cast<double>(std::abs(theta - state.theta)),
-          static_cast<double>(std::abs(omega - state.omega)), std::sqrt(squares)};
+  return {static_cast<double>(std::abs(theta - state->theta)),
+          static_cast<double>(std::abs(omega - state->omega)), std::sqrt(squares)};
 }
 
 }  // namespace slider_crank

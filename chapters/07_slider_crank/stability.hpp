@@ -91,7 +91,7 @@ inline program::Stability stability() {
          for (std::size_t k = 0; k < poses.size(); ++k) {
            const double quarter = (static_cast<double>(k) + 0.5) * pi;  // θ of the k-th dead centre
            // Where θ is a quarter turn, by the exact motion: θ there against the quarter, over ω.
-           const Exact::State at = Exact(folding).at(poses[k].t);
+           const Exact::State at = Exact(folding).at(poses[k].t).value();
            worst = std::max(worst, static_cast<double>(std::abs((at.theta - quarter) / at.omega)));
          }
          return worst;

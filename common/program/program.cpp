@@ -338,7 +338,7 @@ void print_summary(const Chapter& chapter, const RunOptions& run,
   for (std::size_t i = 0; i < columns.state.size(); ++i)
     fmt::print("  {:<28}{:>20.12g}\n", columns.state[i], last.state[i]);
   fmt::print("\nerror against the exact answer, at the end\n");
-  if (errors.empty()) fmt::print("  none: there is no exact answer for this scene\n");
+  if (errors.empty()) fmt::print("  none: no exact answer is computed for this scene\n");
   for (std::size_t k = 0; k < errors.size(); ++k)
     line(chapter.quantities[k].name, errors[k], chapter.quantities[k].unit);
   fmt::print("\nlargest over the run\n");
@@ -411,8 +411,11 @@ void prepare_folder(const std::string& out) {
 void report_command(const Chapter& chapter, const Request& request) {
   if (chapter.before_report) chapter.before_report();
   prepare_folder(request.out);
-  if (chapter.errors(chapter.start({})->row()).empty())
-    throw UsageError("report: allowed are scenes with an exact answer; this one has none");
+  measure::Row end = chapter.start({})->row();
+  end.t = request.run.duration;  // where the errors will be asked for
+  if (chapter.errors(end).empty())
+    throw UsageError(
+        "report: allowed are scenes with an exact answer; none is computed for this one");
   measure::Ladder ladder = chapter.ladder;
   ladder.duration = request.run.duration;
   ladder.coarsest = request.run.step;

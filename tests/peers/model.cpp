@@ -85,7 +85,7 @@ double energy_balance(const Model& model, const State& state) {
 
 std::optional<double> error(const Model& model, const State& state) {
   if (model.rail) {
-    static const long double theta = ::slider_crank::Exact({}).at(model.duration).theta;
+    static const long double theta = ::slider_crank::Exact({}).at(model.duration)->theta;
     return static_cast<double>(std::abs(state[0].theta - theta));
   }
   const int links = model.size();
@@ -94,7 +94,7 @@ std::optional<double> error(const Model& model, const State& state) {
   if (!ends.contains(links)) {
     const revolute::Scene scene{.links = double(links)};
     ends[links] = links == 1 ? revolute::exact_pendulum(scene, model.duration).end
-                             : revolute::ChainReference(scene).exact(model.duration).end;
+                             : revolute::ChainReference(scene).exact(model.duration)->end;
   }
   return (free_end(model, state) - ends[links]).norm();
 }
