@@ -130,9 +130,9 @@ inline program::Stability stability() {
                                [name = method.name](double h_omega, double) {
                                  return integrators::amplification(name, h_omega, 1.0, 0.0);
                                },
-                               0.05});
+                               0.1});
   stability.map_remark =
-      "Theory is that of small swings, the bottom row. The wider a swing, the shorter its steps "
+      "Theory is that of small swings, the bottom rows. The wider a swing, the shorter its steps "
       "must "
       "be, for the implicit method too: its equation then has no solution.";
 

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <numbers>
+#include <string>
 
 #include "exact.hpp"
 #include "program/stability.hpp"
@@ -9,19 +10,29 @@
 
 namespace revolute {
 
-/// Two rods of unlike masses in a chain, level and at rest: a light one that carries a heavy one,
-/// or the other way round.
-inline program::Mechanism make_unlike(double m1, double m2, const measure::Method& method) {
+/// A chain of `links` rods, together 0.5 m and `chain` kg, that carries a rod of 0.5 m and `load`
+/// kg at its end; level and at rest.
+inline program::Mechanism make_loaded(int links, double chain, double load,
+                                      const measure::Method& method) {
   program::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
   system.set_gravity({0.0, 9.81});
-  const Vector2d start(-0.25, 0.0), end(0.25, 0.0);
-  const auto rod = [&](const char* name, double mass, double x) {
-    return system.add_body(name, mass, mass * 0.25 / 12.0, {x, 0.0});
-  };
-  const auto rod1 = rod("rod1", m1, 0.25), rod2 = rod("rod2", m2, 0.75);
-  system.add("rod1_world", joints::Revolute{start, {0.0, 0.0}}, rod1, system.world);
-  system.add("rod2_rod1", joints::Revolute{start, end}, rod2, rod1);
+  double x = 0.0, length_before = 0.0;
+  dynamics::Handle<dynamics::Body> before;
+  for (int i = 0; i <= links; ++i) {
+    const double l = i < links ? 0.5 / links : 0.5, m = i < links ? chain / links : load;
+    const auto rod =
+        system.add_body(fmt::format("rod{}", i + 1), m, m * l * l / 12.0, {x + l / 2, 0.0});
+    const Vector2d start(-l / 2, 0.0), end(length_before / 2, 0.0);
+    const std::string joint = fmt::format("pin{}", i + 1);
+    if (i == 0)
+      system.add(joint, joints::Revolute{start, {0.0, 0.0}}, rod, system.world);
+    else
+      system.add(joint, joints::Revolute{start, end}, rod, before);
+    x += l;
+    length_before = l;
+    before = rod;
+  }
   mechanism.assemble();
   return mechanism;
 }
@@ -56,9 +67,9 @@ inline program::Stability stability() {
       return std::make_unique<Motion>(make_mechanism(scene, method), method);
     };
   };
-  const auto unlike = [](double m1, double m2) -> measure::Start {
+  const auto loaded = [](int links, double chain, double load) -> measure::Start {
     return [=](const Method& method) {
-      return std::make_unique<Motion>(make_unlike(m1, m2, method), method);
+      return std::make_unique<Motion>(make_loaded(links, chain, load, method), method);
     };
   };
   const Method rk4{Name::rk4}, projected{Name::rk4, Stabilization::projection},
@@ -103,17 +114,23 @@ inline program::Stability stability() {
       {"10 links against the exact answer, 0.5 s", "place, m", accurate(1e-6),
        place({.links = 10}, projected, 1000, 5e-4)},
       {"1e-8 kg carries 1 kg", "joint drift, m", accurate(1e-9),
-       drift(unlike(1e-8, 1.0), projected, 1000, 1e-3)},
+       drift(loaded(1, 1e-8, 1.0), projected, 1000, 1e-3)},
       {"1 kg carries 1e-8 kg", "joint drift, m", accurate(1e-9),
-       drift(unlike(1.0, 1e-8), projected, 1000, 1e-3)},
+       drift(loaded(1, 1.0, 1e-8), projected, 1000, 1e-3)},
       {"1 kg carries 1e8 kg", "joint drift, m", accurate(1e-9),
-       drift(unlike(1.0, 1e8), projected, 1000, 1e-3)},
+       drift(loaded(1, 1.0, 1e8), projected, 1000, 1e-3)},
       {"1e8 kg carries 1 kg", "joint drift, m", accurate(1e-9),
-       drift(unlike(1e8, 1.0), projected, 1000, 1e-3)},
+       drift(loaded(1, 1e8, 1.0), projected, 1000, 1e-3)},
       {"1e-8 kg carries 1 kg: energy", "energy error, relative", accurate(1e-6),
-       energy_error(unlike(1e-8, 1.0), projected, 1000, 1e-3)},
+       energy_error(loaded(1, 1e-8, 1.0), projected, 1000, 1e-3)},
       {"1e8 kg carries 1 kg: energy", "energy error, relative", accurate(1e-6),
-       energy_error(unlike(1e8, 1.0), projected, 1000, 1e-3)},
+       energy_error(loaded(1, 1e8, 1.0), projected, 1000, 1e-3)},
+      {"100 links of 1e-6 kg each carry 1 kg", "joint drift, m", accurate(1e-9),
+       drift(loaded(100, 1e-4, 1.0), projected, 2000, 1e-5)},
+      {"the same: energy", "energy error, relative", accurate(1e-6),
+       energy_error(loaded(100, 1e-4, 1.0), projected, 2000, 1e-5)},
+      {"the same with steps of 1e-4 s", "", refused("kinetic energy"),
+       energy_error(loaded(100, 1e-4, 1.0), projected, 2000, 1e-4)},
       {"pinned twice in one place", "place, m", accurate(1e-6),
        [=] {
          program::Mechanism mechanism = make_mechanism({}, projected);

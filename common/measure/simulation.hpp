@@ -127,7 +127,7 @@ class Motion final : public Simulation {
                     epsilon * model_.free_acceleration()),
         projected_(method.stabilization == Stabilization::projection) {
     restart();
-    most_evaluations_ = most_work / std::max(1L, size(q_));
+    most_evaluations_ = most_work / std::max(least_size, size(q_));
   }
 
   void restart() override {
@@ -200,8 +200,9 @@ class Motion final : public Simulation {
 
  private:
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  /// So many evaluations times coordinates are allowed to a tolerance: some seconds of work.
-  static constexpr long most_work = 100000000;
+  /// So many evaluations times coordinates are allowed to a tolerance, a second or two of work;
+  /// below so many coordinates an evaluation costs the same.
+  static constexpr long most_work = 50000000, least_size = 20;
 
   template <class Acceleration>
   double step(Acceleration& acceleration, double h) {
