@@ -252,8 +252,7 @@ std::string advice(const Chapter& chapter, const RunOptions& run) {
   if (const auto limit = limit_of_feedback(run))
     return fmt::format("a --step of {:.3g} s or less, smaller gains, or --stabilization projection",
                        *limit);
-  std::string text = "a smaller --step";
-  if (run.method.tolerance > 0.0) text += ", a larger --tolerance";
+  std::string text = run.method.tolerance > 0.0 ? "a larger --tolerance" : "a smaller --step";
   if (chapter.has_constraints && run.method.stabilization == measure::Stabilization::none)
     text += ", --stabilization projection";
   return text + " or another --integrator";
