@@ -85,9 +85,9 @@ Picture map_picture(const std::vector<measure::Map>& maps, const std::string& re
         const double width = (content.width - 2.0 * gap) / 3.0,
                      height = (content.height - gap) / 2.0;
         const auto place = [&](std::size_t k) {
-          return draw::Rect{content.left + static_cast<double>(k % 3) * (width + gap),
-                            content.top + static_cast<double>(k / 3) * (height + gap), width,
-                            height};
+          const std::size_t column = k % 3, row = k / 3;
+          return draw::Rect{content.left + static_cast<double>(column) * (width + gap),
+                            content.top + static_cast<double>(row) * (height + gap), width, height};
         };
         for (std::size_t k = 0; k < maps.size(); ++k)
           draw::draw_plot(pen, place(k), panel(maps[k], theme));

@@ -15,8 +15,7 @@ DenseForm::DenseForm(const Model& model) : model_(model), frame_(model.rail ? 1 
   std::vector<Part> parts = model.parts;
   const slider_crank::Scene scene;
   if (frame_ != 0)
-    parts.insert(parts.begin(),
-                 Part{scene.frame_mass, scene.frame_inertia, Vector2d::Zero(), 0.0});
+    parts.insert(parts.begin(), Part{scene.frame_mass, scene.frame_inertia, Vector2d::Zero(), 0.0});
   const auto n = 3 * static_cast<Eigen::Index>(parts.size());
   const Eigen::Index s = 2 * model.size() + (model.rail ? 2 + 3 : 0);
   q0_ = W_ = F_ = Vector::Zero(n);
