@@ -107,9 +107,10 @@ inline program::Stability stability() {
     const double theory = limit_of_swings([&](double h_omega) {
       return integrators::amplification(method.name, h_omega, 1.0, 0.0) <= 1.0 + 1e-6;
     });
-    const std::string name = theory > 7.9 ? fmt::format("{}: small swings at any step", method.text)
-                                          : fmt::format("{}: small swings to h√(g/p) = {:.3g}",
-                                                        method.text, theory < 0.01 ? 0.0 : theory);
+    const std::string name = theory > 7.9
+                                 ? fmt::format("{}: small swings, any step (to 8)", method.text)
+                                 : fmt::format("{}: small swings to h√(g/p) = {:.3g}", method.text,
+                                               theory < 0.01 ? 0.0 : theory);
     stability.cases.push_back(
         {name, "limit found, off theory's", accurate(0.02), [=, integrator = method.name] {
            return std::abs(limit_of_swings([&](double h_omega) {

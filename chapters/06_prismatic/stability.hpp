@@ -139,8 +139,9 @@ inline program::Stability stability() {
     }
     for (const double k : {1e2, 1e6, 1e10}) {
       const std::string name =
-          theory > 7.9 ? fmt::format("{:g} N/m, {}: any step", k, method.text)
-                       : fmt::format("{:g} N/m, {}: h√(k/m) to {:.3g}", k, method.text, theory);
+          theory > 7.9 ? fmt::format("{:g} N/m, {}: any step (to 8)", k, method.text)
+                       : fmt::format("{:g} N/m, {}: h√(k/m) to {:.3g}{}", k, method.text, theory,
+                                     method.name == Name::explicit_euler ? " *" : "");
       stability.cases.push_back(
           {name, "spring limit found, off theory's", accurate(0.05), [=, integrator = method.name] {
              double found = 0.0, too_long = 8.0;

@@ -15,6 +15,7 @@ inline program::Stability stability() {
   using integrators::Name;
   using measure::Stabilization;
   using program::accurate;
+  using program::degraded;
   using program::drift;
   using program::energy_error;
   using program::refused;
@@ -118,6 +119,8 @@ inline program::Stability stability() {
        drift(of({.wheel_mass = 2e8}), projected, 2000, 1e-3)},
       {"wheel of 1e-8 kg", "joint drift, m or rad", accurate(1e-9),
        drift(of({.wheel_mass = 2e-8}), projected, 1000, 1e-3)},
+      {"wheel of 1e-8 kg: the motion", "wheel angle, rad", degraded(1e-6, 1e-3),
+       angle({.wheel_mass = 2e-8}, projected, 2000, 1e-3)},
       {"lengths in µm, masses in 1e-8 kg", "difference, relative", accurate(1e-12),
        in_other_units({1e6, 1.0, 1e8}, projected)},
       {"lengths in Mm, times in ms", "difference, relative", accurate(1e-12),

@@ -239,12 +239,16 @@ std::optional<double> limit_of_feedback(const RunOptions& run) {
 
 /// Once, when the feedback itself is unstable at this step.
 void warn_of_gains(const RunOptions& run) {
-  if (const auto limit = limit_of_feedback(run))
-    say(fmt::format(
-        "warning: feedback with ks = {:g} 1/s², kd = {:g} 1/s cannot be stable with {} at a step "
-        "of {:g} s, only up to {:.3g} s\n",
-        run.method.ks, run.method.kd, integrators::method(run.method.integrator).text, run.step,
-        *limit));
+  const auto limit = limit_of_feedback(run);
+  if (!limit) return;
+  const auto& [integrator, stabilization, ks, kd, tolerance] = run.method;
+  // Bisection ends somewhere even where nothing but 0 is stable.
+  const bool never = *limit * std::max(std::sqrt(ks), kd) < 1e-4;
+  say(fmt::format(
+      "warning: feedback with ks = {:g} 1/s², kd = {:g} 1/s cannot be stable with {} at {}\n", ks,
+      kd, integrators::method(integrator).text,
+      never ? std::string("any step")
+            : fmt::format("a step of {:g} s, only up to {:.3g} s", run.step, *limit)));
 }
 
 /// What to try after a run that could not go on.

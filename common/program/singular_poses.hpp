@@ -36,7 +36,9 @@ class SingularPoses {
     }
     if (!poses_.empty()) {
       constexpr std::size_t most = 12;
-      notes.push_back(fmt::format("J loses rank {} times, at t =", poses_.size()));
+      notes.push_back(
+          fmt::format("J loses rank {}, at t =",
+                      poses_.size() == 1 ? "once" : fmt::format("{} times", poses_.size())));
       for (std::size_t i = 0; i < poses_.size() && i < most; ++i)
         notes.back() += fmt::format("{} {:.4g} s ({} row {})", i == 0 ? "" : ",", poses_[i].t,
                                     poses_[i].row.joint, poses_[i].row.row);

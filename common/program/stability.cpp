@@ -18,7 +18,7 @@ std::string text(const Expected& expected) {
     case Outcome::accurate:
       return fmt::format("accurate to {:g}", expected.most);
     case Outcome::degraded:
-      return fmt::format("degraded to {:g}", expected.most);
+      return fmt::format("degraded, {:g} to {:g}", expected.least, expected.most);
     case Outcome::refused:
       break;
   }
@@ -31,11 +31,11 @@ bool fits(const Expected& expected, double figure) {
 }
 
 /// Letters as the reader counts them; fmt pads by these too.
-constexpr std::size_t widest_name = 50, widest_figure = 34, widest_found = 64;
+constexpr std::size_t widest_name = 50, widest_figure = 34, widest_found = 110;
 
 /// What a table has room for; the whole stands in the CSV.
 std::string shortened(const std::string& found) {
-  const std::string first = found.substr(0, found.find_first_of(";,"));
+  const std::string first = found.substr(0, found.find(';'));
   return first.size() <= widest_found ? first : first.substr(0, widest_found - 3) + "...";
 }
 
@@ -130,7 +130,7 @@ std::vector<Case> limit_cases(const measure::Start& start, const measure::Feedba
     const double limit = measure::theoretical_limit(method.name);
     const std::string name = limit < 8.0
                                  ? fmt::format("{}: feedback limit s = {:.4g}", method.text, limit)
-                                 : fmt::format("{}: feedback at any s", method.text);
+                                 : fmt::format("{}: feedback at any s (to 8)", method.text);
     cases.push_back({name, "limit found, off theory's", accurate(0.01), [=, name = method.name] {
                        const double found = measure::measured_limit(name, start, longer);
                        return std::abs(found / limit - 1.0);
@@ -164,11 +164,11 @@ double difference(const Units& units, measure::Simulation& first, measure::Simul
 }
 
 std::string table(const std::vector<Verdict>& verdicts) {
-  std::string result = fmt::format("{:<{}}{:<{}}{:<22}{}\n", "case", widest_name, "measured",
+  std::string result = fmt::format("{:<{}}{:<{}}{:<26}{}\n", "case", widest_name, "measured",
                                    widest_figure, "expected", "found");
   long unexpected = 0;
   for (const Verdict& verdict : verdicts) {
-    result += fmt::format("{:<{}}{:<{}}{:<22}{}{}\n", verdict.name, widest_name, verdict.figure,
+    result += fmt::format("{:<{}}{:<{}}{:<26}{}{}\n", verdict.name, widest_name, verdict.figure,
                           widest_figure, verdict.expected, shortened(verdict.found),
                           verdict.as_expected ? "" : "   NOT AS EXPECTED");
     unexpected += verdict.as_expected ? 0 : 1;
@@ -215,12 +215,14 @@ std::string table(const std::vector<measure::LongCurve>& curves) {
       result += fmt::format("{:<32}  failed: {}\n", curve.method, curve.failure);
       continue;
     }
-    result += fmt::format("{:<32}{:>24.2e}{:>16.2f}  {}{}\n", curve.method,
-                          curve.looks.back().energy_error, curve.exponent(),
-                          curve.bounded()           ? "bounded"
-                          : curve.exponent() < 0.25 ? "no longer the motion"
-                                                    : "growing",
-                          curve.bounded() == curve.expected_bounded ? "" : ": NOT AS EXPECTED");
+    const bool lost = !curve.bounded() && curve.exponent() < 0.25;
+    result +=
+        fmt::format("{:<32}{:>24.2e}{:>16}  {}{}\n", curve.method, curve.looks.back().energy_error,
+                    lost ? "" : fmt::format("{:.2f}", curve.exponent()),
+                    curve.bounded() ? "bounded"
+                    : lost          ? "no longer the motion"
+                                    : "growing",
+                    curve.bounded() == curve.expected_bounded ? "" : ": NOT AS EXPECTED");
   }
   return result;
 }
