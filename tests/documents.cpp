@@ -9,7 +9,6 @@
 //   path
 //   <!-- report: CSV -->          the short table of a saved report
 //   <!-- cases: CSV -->           the table of saved stability cases; likewise
-//   <!-- maps: CSV -->            how often saved stability maps agree with theory, and
 //   <!-- long_run: CSV -->        the energy errors of saved long runs
 //
 // Without --check the blocks are written anew. With it nothing is written: each block that differs
@@ -93,8 +92,6 @@ std::vector<std::string> block(const fs::path& source, const std::string& kind,
     return split_lines(program::short_table(program::read_csv(source / argument)));
   if (kind == "cases")
     return split_lines(program::table(program::read_verdicts(source / argument)));
-  if (kind == "maps")
-    return split_lines(program::table(program::read_agreements(source / argument)));
   if (kind == "long_run")
     return split_lines(program::table(program::read_curves(source / argument)));
   return output(argument);
@@ -121,7 +118,7 @@ void check_links(const fs::path& file, const std::vector<std::string>& lines,
 std::vector<std::string> in_step(const fs::path& source, const fs::path& file,
                                  const std::vector<std::string>& lines,
                                  std::vector<std::string>& complaints) {
-  static const std::regex marker("<!-- (excerpt|output|report|cases|maps|long_run): (.*) -->");
+  static const std::regex marker("<!-- (excerpt|output|report|cases|long_run): (.*) -->");
   std::vector<std::string> result;
   std::smatch match;
   for (std::size_t i = 0; i < lines.size(); ++i) {

@@ -37,21 +37,16 @@ inline program::Stability stability() {
   };
   const Method rk4{Name::rk4};
   const Scene off{.offset_x = 0.05, .offset_y = -0.03, .offset_theta = 0.2};
-  const auto in_other_units = [=](const program::Units& units, const Method& method) {
-    return [=] {
-      const auto& [L, T, m] = units;
-      Scene there = off;
-      for (double* length : {&there.offset_x, &there.offset_y, &there.width, &there.height})
-        *length *= L;
-      there.load *= m * L / (T * T);
-      there.mass *= m;
-      there.gravity *= L / (T * T);
-      there.load_rate /= T;
-      Method scaled = method;
-      scaled.ks /= T * T;
-      scaled.kd /= T;
-      return program::difference(units, *of(off)(method), *of(there)(scaled), 100, 0.01);
-    };
+  const auto scene_in = [=](const program::Units& units) {
+    const auto& [L, T, m] = units;
+    Scene there = off;
+    for (double* length : {&there.offset_x, &there.offset_y, &there.width, &there.height})
+      *length *= L;
+    there.load *= m * L / (T * T);
+    there.mass *= m;
+    there.gravity *= L / (T * T);
+    there.load_rate /= T;
+    return of(there);
   };
 
   program::Stability stability;
@@ -87,21 +82,15 @@ inline program::Stability stability() {
          if (motion.model().system.dependent_rows().size() != 3) return 1.0;
          return motion.measures().constraint_error;
        }},
-      {"lengths in µm, masses in 1e-8 kg", "difference, relative", accurate(1e-12),
-       in_other_units({1e6, 1.0, 1e8}, feedback(Name::rk4, 25, 10))},
-      {"lengths in Mm, times in ms", "difference, relative", accurate(1e-12),
-       in_other_units({1e-6, 1e3, 1.0}, feedback(Name::rk4, 25, 10))},
-      {"the same with implicit_midpoint", "difference, relative", accurate(1e-12),
-       in_other_units({1e-6, 1e3, 1.0}, feedback(Name::implicit_midpoint, 25, 10))},
-      {"the same with dop853, tolerance 1e-8", "difference, relative", accurate(1e-12),
-       in_other_units({1e-6, 1e3, 1.0}, {Name::dop853, Stabilization::feedback, 25, 10, 1e-8})},
   };
   // [cases]
+  stability.add_units(scene_in,
+                      {feedback(Name::rk4, 25, 10),
+                       feedback(Name::implicit_midpoint, 25, 10),
+                       {Name::dop853, Stabilization::feedback, 25, 10, 1e-8}},
+                      100, 0.01);
 
-  const measure::FeedbackTrial trial{.step = 1e-3, .nudge = 1e-3};
-  for (program::Case& limit : program::limit_cases(of({}), trial))
-    stability.cases.push_back(std::move(limit));
-  stability.plans = measure::feedback_plans(of({}), trial);
+  stability.add_feedback(of({}), {.step = 1e-3, .nudge = 1e-3});
   stability.map_remark = "With J = I each coordinate obeys the test equation exactly.";
   return stability;
 }

@@ -59,26 +59,22 @@ inline program::Stability stability() {
   };
   const Method rk4{Name::rk4}, projected{Name::rk4, Stabilization::projection},
       feedback{Name::rk4, Stabilization::feedback, 100.0, 20.0},
-      midpoint{Name::implicit_midpoint, Stabilization::projection};
+      midpoint{Name::implicit_midpoint, Stabilization::projection},
+      adaptive{Name::dop853, Stabilization::projection, 0.0, 0.0, 1e-8};
   const auto place = [=](const Scene& scene, const Method& method, long steps, double h) {
     return program::final_error(
         of(scene), [=](const measure::Row& row) { return errors(scene, row); }, 0, method, steps,
         h);
   };
-  const auto in_other_units = [=](const program::Units& units, const Method& method) {
-    return [=] {
-      const auto& [L, T, m] = units;
-      const Scene here{.spin = 5.0};
-      Scene there = here;
-      for (double* length : {&there.width, &there.height, &there.r0}) *length *= L;
-      for (double* mass : {&there.mass, &there.rail_mass}) *mass *= m;
-      there.rail_inertia *= m * L * L;
-      there.spin /= T;
-      Method scaled = method;
-      scaled.ks /= T * T;
-      scaled.kd /= T;
-      return program::difference(units, *of(here)(method), *of(there)(scaled), 100, 1e-3);
-    };
+  const auto scene_in = [=](const program::Units& units) {
+    const auto& [L, T, m] = units;
+    const Scene here{.spin = 5.0};
+    Scene there = here;
+    for (double* length : {&there.width, &there.height, &there.r0}) *length *= L;
+    for (double* mass : {&there.mass, &there.rail_mass}) *mass *= m;
+    there.rail_inertia *= m * L * L;
+    there.spin /= T;
+    return of(there);
   };
 
   program::Stability stability;
@@ -113,21 +109,12 @@ inline program::Stability stability() {
          if (motion.model().system.dependent_rows().size() != 2) return 1.0;
          return errors(scene, row)[0];
        }},
-      {"lengths in µm, masses in 1e-8 kg", "difference, relative", accurate(1e-12),
-       in_other_units({1e6, 1.0, 1e8}, projected)},
-      {"lengths in Mm, times in ms", "difference, relative", accurate(1e-12),
-       in_other_units({1e-6, 1e3, 1.0}, rk4)},
-      {"the same with feedback", "difference, relative", accurate(1e-12),
-       in_other_units({1e-6, 1e3, 1.0}, feedback)},
-      {"the same with implicit_midpoint", "difference, relative", accurate(1e-12),
-       in_other_units({1e-6, 1e3, 1.0}, midpoint)},
-      {"the same with dop853, tolerance 1e-8", "difference, relative", accurate(1e-12),
-       in_other_units({1e-6, 1e3, 1.0}, {Name::dop853, Stabilization::projection, 0, 0, 1e-8})},
       {"feedback past its limit: h√ks = 5", "", refused("kinetic energy"),
        energy_error(of({.spin = 5.0}), {Name::rk4, Stabilization::feedback, 6.25e6, 5e3}, 2000,
                     0.002)},
   };
   // [cases]
+  stability.add_units(scene_in, {rk4, projected, feedback, midpoint, adaptive}, 100, 1e-3);
 
   // A stiff spring on the block: the limit of h √(k/m), for every stiffness the same.
   for (const auto& method : integrators::methods) {
@@ -163,10 +150,7 @@ inline program::Stability stability() {
                              }});
 
   const measure::Start spinning = of({.spin = 5.0});
-  const measure::FeedbackTrial trial{.step = 1e-4, .nudge = 1e-3};
-  for (program::Case& limit : program::limit_cases(spinning, trial))
-    stability.cases.push_back(std::move(limit));
-  stability.plans = measure::feedback_plans(spinning, trial);
+  stability.add_feedback(spinning, {.step = 1e-4, .nudge = 1e-3});
   stability.map_remark = "Measured on the spinning rail, with the block on its way out.";
   return stability;
 }

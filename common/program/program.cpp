@@ -228,13 +228,17 @@ double rounded_down(double value) {
   return std::floor(value / unit) * unit;
 }
 
-/// The step up to which the feedback is stable, or nothing where it is stable as it is.
+/// The step up to which the feedback is stable, 0 where none is; nothing where it is stable as it
+/// is.
 std::optional<double> limit_of_feedback(const RunOptions& run) {
   const auto& method = run.method;
   if (method.stabilization != measure::Stabilization::feedback || method.tolerance > 0.0 ||
       integrators::amplification(method.integrator, run.step, method.ks, method.kd) <= 1.0 + 1e-12)
     return std::nullopt;
-  return rounded_down(integrators::largest_stable_step(method.integrator, method.ks, method.kd));
+  const double limit = integrators::largest_stable_step(method.integrator, method.ks, method.kd);
+  // Bisection ends somewhere even where nothing but 0 is stable.
+  const bool never = limit * std::max(std::sqrt(method.ks), method.kd) < 1e-4;
+  return never ? 0.0 : rounded_down(limit);
 }
 
 /// Once, when the feedback itself is unstable at this step.
@@ -242,20 +246,21 @@ void warn_of_gains(const RunOptions& run) {
   const auto limit = limit_of_feedback(run);
   if (!limit) return;
   const auto& [integrator, stabilization, ks, kd, tolerance] = run.method;
-  // Bisection ends somewhere even where nothing but 0 is stable.
-  const bool never = *limit * std::max(std::sqrt(ks), kd) < 1e-4;
   say(fmt::format(
       "warning: feedback with ks = {:g} 1/s², kd = {:g} 1/s cannot be stable with {} at {}\n", ks,
       kd, integrators::method(integrator).text,
-      never ? std::string("any step")
-            : fmt::format("a step of {:g} s, only up to {:.3g} s", run.step, *limit)));
+      *limit == 0.0 ? std::string("any step")
+                    : fmt::format("a step of {:g} s, only up to {:.3g} s", run.step, *limit)));
 }
 
 /// What to try after a run that could not go on.
 std::string advice(const Chapter& chapter, const RunOptions& run) {
   if (const auto limit = limit_of_feedback(run))
-    return fmt::format("a --step of {:.3g} s or less, smaller gains, or --stabilization projection",
-                       *limit);
+    return *limit == 0.0 ? std::string("another --integrator, or --stabilization projection")
+                         : fmt::format(
+                               "a --step of {:.3g} s or less, smaller gains, or "
+                               "--stabilization projection",
+                               *limit);
   std::string text = run.method.tolerance > 0.0 ? "a larger --tolerance" : "a smaller --step";
   if (chapter.has_constraints && run.method.stabilization == measure::Stabilization::none)
     text += ", --stabilization projection";
@@ -498,6 +503,7 @@ void stability_command(const Chapter& chapter, const Request& request) {
           measure::measure_map(plan, cells_across, [&](double done, const std::string& what) {
             progress.show(before + 0.08 * done, "map of " + what);
           }));
+      verdicts.push_back(judge(maps.back()));
     }
     const LongRun& run = stability.long_run;
     for (const measure::LongMethod& method : run.methods) {
@@ -512,7 +518,7 @@ void stability_command(const Chapter& chapter, const Request& request) {
     write_file(path, content);
     fmt::print("{}\n", path.string());
   };
-  fmt::print("{}: stability\n\n{}\n{}\n", chapter.title, table(verdicts), table(agreements(maps)));
+  fmt::print("{}: stability\n\n{}\n", chapter.title, table(verdicts));
   if (!curves.empty())
     fmt::print("{} steps of {:g} s\n{}\n", stability.long_run.steps, stability.long_run.step,
                table(curves));

@@ -31,7 +31,7 @@ bool fits(const Expected& expected, double figure) {
 }
 
 /// Letters as the reader counts them; fmt pads by these too.
-constexpr std::size_t widest_name = 50, widest_figure = 34, widest_found = 110;
+constexpr std::size_t widest_name = 50, widest_figure = 34, widest_found = 120;
 
 /// What a table has room for; the whole stands in the CSV.
 std::string shortened(const std::string& found) {
@@ -45,7 +45,7 @@ std::string without_semicolons(std::string text) {
 }
 
 /// The cells of a saved table, row by row, without its header.
-std::vector<std::vector<std::string>> read_rows(const std::filesystem::path& path, char separator,
+std::vector<std::vector<std::string>> read_rows(const std::filesystem::path& path,
                                                 std::size_t columns) {
   std::ifstream stream(path);
   std::string line;
@@ -55,7 +55,7 @@ std::vector<std::vector<std::string>> read_rows(const std::filesystem::path& pat
   while (std::getline(stream, line)) {
     std::vector<std::string> cells{""};
     for (const char c : line)
-      if (c == separator)
+      if (c == ';')
         cells.emplace_back();
       else
         cells.back() += c;
@@ -82,6 +82,28 @@ Kind kind(const std::string& column, const Units& in) {
   return {"place", in.length};
 }
 
+/// How far the rows of two simulations differ, each kind of column as a part of its largest value.
+double difference(const Units& units, measure::Simulation& first, measure::Simulation& second) {
+  const measure::Row a = first.row(), b = second.row();
+  const measure::Columns columns = first.columns();
+  std::map<std::string, std::pair<double, double>> worst;  // difference and size, kind by kind
+  const auto compare = [&](const std::vector<std::string>& names, const std::vector<double>& x,
+                           const std::vector<double>& y) {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const Kind k = kind(names[i], units);
+      auto& [off, size] = worst[k.name];
+      off = std::max(off, std::abs(y[i] - k.factor * x[i]));
+      size = std::max(size, std::abs(y[i]));
+    }
+  };
+  compare(columns.state, a.state, b.state);
+  compare(columns.reactions, a.reactions, b.reactions);
+  double largest = 0.0;
+  for (const auto& [name, values] : worst)
+    if (values.first > 0.0) largest = std::max(largest, values.first / values.second);
+  return largest;
+}
+
 }  // namespace
 
 Verdict judge(const Case& trial) {
@@ -96,6 +118,15 @@ Verdict judge(const Case& trial) {
     return verdict(message, trial.expected.outcome == Outcome::refused &&
                                 message.find(trial.expected.message) != std::string::npos);
   }
+}
+
+Verdict judge(const measure::Map& map) {
+  const int differing = map.compared() - map.agreeing();
+  const Expected expected = accurate(map.plan.differing);
+  return {fmt::format("map of {}, {} cells compared", integrators::method(map.plan.integrator).text,
+                      map.compared()),
+          "cells that differ from theory", text(expected), fmt::format("{}", differing),
+          fits(expected, differing)};
 }
 
 std::function<double()> drift(const measure::Start& start, const measure::Method& method,
@@ -118,49 +149,43 @@ std::function<double()> final_error(const measure::Start& start, const measure::
   };
 }
 
-std::vector<Case> limit_cases(const measure::Start& start, const measure::FeedbackTrial& trial) {
-  std::vector<Case> cases;
+void Stability::add_feedback(const measure::Start& start, const measure::FeedbackTrial& trial) {
   // At critical damping both roots are one, so that what the motion changes in a step and what C
   // has of second order move the limit by their square roots: hence less of both.
-  measure::FeedbackTrial longer = trial;
-  longer.step *= 1e-3;
-  longer.nudge *= 1e-4;
-  longer.steps *= 4;
+  measure::FeedbackTrial finer = trial;
+  finer.step *= 1e-3;
+  finer.nudge *= 1e-4;
+  finer.steps *= 4;
   for (const auto& method : integrators::methods) {
     const double limit = measure::theoretical_limit(method.name);
     const std::string name = limit < 8.0
                                  ? fmt::format("{}: feedback limit s = {:.4g}", method.text, limit)
                                  : fmt::format("{}: feedback at any s (to 8)", method.text);
     cases.push_back({name, "limit found, off theory's", accurate(0.01), [=, name = method.name] {
-                       const double found = measure::measured_limit(name, start, longer);
+                       const double found = measure::measured_limit(name, start, finer);
                        return std::abs(found / limit - 1.0);
                      }});
   }
-  return cases;
+  plans = measure::feedback_plans(start, trial);
 }
 
-double difference(const Units& units, measure::Simulation& first, measure::Simulation& second,
-                  long steps, double h) {
-  first.advance(steps, h);
-  second.advance(steps, h * units.time);
-  const measure::Row a = first.row(), b = second.row();
-  const measure::Columns columns = first.columns();
-  std::map<std::string, std::pair<double, double>> worst;  // difference and size, kind by kind
-  const auto compare = [&](const std::vector<std::string>& names, const std::vector<double>& x,
-                           const std::vector<double>& y) {
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const Kind k = kind(names[i], units);
-      auto& [off, size] = worst[k.name];
-      off = std::max(off, std::abs(y[i] - k.factor * x[i]));
-      size = std::max(size, std::abs(y[i]));
-    }
-  };
-  compare(columns.state, a.state, b.state);
-  compare(columns.reactions, a.reactions, b.reactions);
-  double largest = 0.0;
-  for (const auto& [name, values] : worst)
-    if (values.first > 0.0) largest = std::max(largest, values.first / values.second);
-  return largest;
+void Stability::add_units(const std::function<measure::Start(const Units&)>& scene_in,
+                          const std::vector<measure::Method>& methods, long steps, double h) {
+  for (const measure::Method& method : methods)
+    cases.push_back(
+        {"in µm and in Mm, ms: " + method.label(), "difference, relative", accurate(1e-12), [=] {
+           double largest = 0.0;
+           for (const Units& units : {Units{1e6, 1.0, 1e8}, Units{1e-6, 1e3, 1.0}}) {
+             measure::Method scaled = method;
+             scaled.ks /= units.time * units.time;
+             scaled.kd /= units.time;
+             const auto here = scene_in({1.0, 1.0, 1.0})(method), there = scene_in(units)(scaled);
+             here->advance(steps, h);
+             there->advance(steps, h * units.time);
+             largest = std::max(largest, difference(units, *here, *there));
+           }
+           return largest;
+         }});
 }
 
 std::string table(const std::vector<Verdict>& verdicts) {
@@ -174,37 +199,6 @@ std::string table(const std::vector<Verdict>& verdicts) {
     unexpected += verdict.as_expected ? 0 : 1;
   }
   return result + fmt::format("{} cases, {} not as expected\n", verdicts.size(), unexpected);
-}
-
-std::string table(const std::vector<Agreement>& agreements) {
-  std::string result =
-      fmt::format("{:<24}{:>8}{:>24}{:>8}\n", "map", "cells", "compared with theory", "agree");
-  for (const Agreement& a : agreements)
-    result +=
-        fmt::format("{:<24}{:>8}{:>24}{:>8}\n", a.integrator, a.cells, a.compared, a.agreeing);
-  return result;
-}
-
-std::vector<Agreement> agreements(const std::vector<measure::Map>& maps) {
-  std::vector<Agreement> result;
-  for (const measure::Map& map : maps)
-    result.push_back({std::string(integrators::method(map.plan.integrator).text),
-                      static_cast<int>(map.cells.size()), map.compared(), map.agreeing()});
-  return result;
-}
-
-std::vector<Agreement> read_agreements(const std::filesystem::path& path) {
-  std::vector<Agreement> result;
-  for (const auto& cells : read_rows(path, ',', 6)) {
-    if (result.empty() || result.back().integrator != cells[0])
-      result.push_back({cells[0], 0, 0, 0});
-    Agreement& a = result.back();
-    const bool compared = cells[5] == "1", same = cells[3] == cells[4];
-    a.cells += 1;
-    a.compared += compared ? 1 : 0;
-    a.agreeing += compared && same ? 1 : 0;
-  }
-  return result;
 }
 
 std::string table(const std::vector<measure::LongCurve>& curves) {
@@ -238,16 +232,16 @@ std::string csv(const std::vector<Verdict>& verdicts) {
 
 std::vector<Verdict> read_verdicts(const std::filesystem::path& path) {
   std::vector<Verdict> verdicts;
-  for (const auto& cells : read_rows(path, ';', 5))
+  for (const auto& cells : read_rows(path, 5))
     verdicts.push_back({cells[0], cells[1], cells[2], cells[3], cells[4] == "yes"});
   return verdicts;
 }
 
 std::string csv(const std::vector<measure::Map>& maps) {
-  std::string result = "integrator,x,y,stable,theory,compared\n";
+  std::string result = "integrator;x;y;stable;theory;compared\n";
   for (const measure::Map& map : maps)
     for (const measure::Cell& cell : map.cells)
-      result += fmt::format("{},{:.6g},{:.6g},{:d},{:d},{:d}\n",
+      result += fmt::format("{};{:.6g};{:.6g};{:d};{:d};{:d}\n",
                             integrators::method(map.plan.integrator).text, cell.x, cell.y,
                             cell.stable, cell.theory, cell.compared);
   return result;
@@ -268,7 +262,7 @@ std::string csv(const std::vector<measure::LongCurve>& curves) {
 
 std::vector<measure::LongCurve> read_curves(const std::filesystem::path& path) {
   std::vector<measure::LongCurve> curves;
-  for (const auto& cells : read_rows(path, ';', 5)) {
+  for (const auto& cells : read_rows(path, 5)) {
     if (curves.empty() || curves.back().method != cells[0])
       curves.push_back({.method = cells[0], .expected_bounded = cells[1] == "bounded"});
     if (cells[4].empty())

@@ -49,16 +49,31 @@ struct LongRun {
   measure::Start start = {};
 };
 
+/// The same scene in two systems of units: the second's are so many of the first's.
+struct Units {
+  double length, time, mass;
+};
+
 /// What `stability` of a chapter tries.
 struct Stability {
   std::vector<Case> cases;
   std::vector<measure::Plan> plans;
   std::string map_remark;  ///< said under the map: what it teaches
   LongRun long_run = {};
+
+  /// Feedback in every integrator: its limit at critical damping, and the map of its gains.
+  void add_feedback(const measure::Start& start, const measure::FeedbackTrial& trial);
+
+  /// A case for each method: the scene, given in any units, moves alike in µm and 1e-8 kg, and in
+  /// Mm and ms, over `steps` steps of h [s].
+  void add_units(const std::function<measure::Start(const Units&)>& scene_in,
+                 const std::vector<measure::Method>& methods, long steps, double h);
 };
 
 /// Runs one case.
 Verdict judge(const Case& trial);
+/// How a map agrees with theory, as a case like the others.
+Verdict judge(const measure::Map& map);
 
 /// What cases measure over `steps` steps of h [s]: the largest |C|; the largest energy error, as a
 /// part of the kinetic energy; the error of a quantity against the exact answer at the end.
@@ -70,35 +85,14 @@ std::function<double()> final_error(const measure::Start& start, const measure::
                                     std::size_t quantity, const measure::Method& method, long steps,
                                     double h);
 
-/// The measured limit of feedback at critical damping of each integrator against theory.
-std::vector<Case> limit_cases(const measure::Start& start, const measure::FeedbackTrial& trial);
-
-/// The same scene in two systems of units: how far the rows differ after `steps` steps of h [s],
-/// each kind of column (places, angles, forces ...) as a part of its largest value. The units of
-/// the second are so many of the first.
-struct Units {
-  double length, time, mass;
-};
-double difference(const Units& units, measure::Simulation& first, measure::Simulation& second,
-                  long steps, double h);
-
-/// How often a map is as theory says.
-struct Agreement {
-  std::string integrator;
-  int cells, compared, agreeing;
-};
-std::vector<Agreement> agreements(const std::vector<measure::Map>& maps);
-
 std::string table(const std::vector<Verdict>& verdicts);
-std::string table(const std::vector<Agreement>& agreements);
 std::string table(const std::vector<measure::LongCurve>& curves);
 
-/// Comma-separated values with a header; and back, for the documents.
+/// Values with a header, separated by semicolons; and back, for the documents.
 std::string csv(const std::vector<Verdict>& verdicts);
 std::string csv(const std::vector<measure::Map>& maps);
 std::string csv(const std::vector<measure::LongCurve>& curves);
 std::vector<Verdict> read_verdicts(const std::filesystem::path& path);
-std::vector<Agreement> read_agreements(const std::filesystem::path& path);
 std::vector<measure::LongCurve> read_curves(const std::filesystem::path& path);
 
 #ifdef TUTORIAL_PICTURES
