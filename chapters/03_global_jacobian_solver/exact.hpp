@@ -52,8 +52,9 @@ class ExactMotion {
     // Far up the valley dt/du bends sharply where σ = 0: a cut there.
     const Real cosine = -(sigma0_ + sigma1_) / (sigma0_ - sigma1_);
     const Real cut = std::abs(cosine) < 1 ? std::acos(cosine) : pi;
-    add_pieces(0, cut);
-    add_pieces(cut, pi);
+    const Real about = integrate(0, cut) + integrate(cut, pi);
+    add_pieces(0, cut, about);
+    add_pieces(cut, pi, about);
   }
 
   /// Whether anything pulls the dumbbell away from its start.
@@ -163,8 +164,9 @@ class ExactMotion {
   }
 
   /// Cuts [from, to] into pieces on which the rule is as good as the rounding of Q allows. That is
-  /// large where the dumbbell all but rests on the top of a hill.
-  void add_pieces(Real from, Real to) {
+  /// large where the dumbbell all but rests on the top of a hill. A piece that it crosses in next
+  /// to no time, of the `about` that half a period takes, need not be good in itself.
+  void add_pieces(Real from, Real to, Real about) {
     if (!(from < to)) return;
     const Real middle = from + (to - from) / 2;
     Real rounding = 0, error = 0;
@@ -174,12 +176,12 @@ class ExactMotion {
     }
     const Real sum = integrate(from, to, &error);
     constexpr std::size_t most = 4000;
-    if (error <= rounding * sum || pieces_.size() > most || to - from < 1e-12L) {
+    if (error <= rounding * (sum + about / 100) || pieces_.size() > most || to - from < 1e-12L) {
       pieces_.push_back({from, half_period_});
       half_period_ += sum;
     } else {
-      add_pieces(from, middle);
-      add_pieces(middle, to);
+      add_pieces(from, middle, about);
+      add_pieces(middle, to, about);
     }
   }
 

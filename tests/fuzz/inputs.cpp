@@ -179,7 +179,7 @@ class Maker {
         if (option.name == "--integrator") integrator = name;
         give(option.name, name);
       } else if (option.name == "--tolerance") {
-        if (random_.chance(integrator == "dop853" ? 0.6 : 0.02))
+        if (random_.chance(integrator == "dop853" ? 0.2 : 0.02))
           give(option.name, fmt::format("{:.2g}", random_.scale(-14.5, -0.8)));
       } else if (random_.chance(0.12)) {
         give(option.name, value(option, wildness, random_));
