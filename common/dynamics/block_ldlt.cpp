@@ -8,6 +8,7 @@ namespace dynamics {
 
 void BlockLdlt::analyse(const std::vector<int>& size,
                         const std::vector<std::pair<int, int>>& edges) {
+  size_ = in_common(size);
   const int n = static_cast<int>(size.size());
   std::vector<std::set<int>> neighbours(size.size());
   for (const auto& [i, j] : edges) {
@@ -75,127 +76,131 @@ int BlockLdlt::block(int i, int j) const {
   return std::find_if(begin, end, [&](const Below& b) { return b.node == i; })->block;
 }
 
-void BlockLdlt::factor(double damping) {
-  L_ = K_;
-  double* const K = L_.data();  // a copy of K, which turns into the factor block by block
-  for (const Node& node : nodes_)
-    for (int k = 0; k < node.size; ++k) {
-      double& K_kk = K[node.block + k * (node.size + 1)];
-      diagonal_[node.row + k] = K_kk;
-      K_kk *= 1 + damping;
+namespace {
+
+/// Turns A, of which the lower triangle is given, into L of A = L D L^T. A row whose pivot is not
+/// above `smallest` depends on those before it: its 1 / D is 0, and so is its column of L.
+template <int r>
+[[gnu::always_inline]] inline void factor_node(double (&A)[r][r], const double (&smallest)[r],
+                                               double (&inverse_D)[r]) {
+  if constexpr (r == 2) {  // most joints, and most of the time: two divisions at once
+    const double a = A[0][0], b = A[1][0], det = a * A[1][1] - b * b;
+    if (a > smallest[0] && det > smallest[1] * a) {
+      inverse_D[0] = 1 / a;
+      inverse_D[1] = a / det;
+      A[1][0] = b * inverse_D[0];
+      return;
     }
-
-  // The rounding that gathers in a pivot grows with the number of rows.
-  const double rounding =
-      8 * std::numeric_limits<double>::epsilon() * static_cast<double>(diagonal_.size());
-  const int* update = updates_.data();
-  for (const Node& node : nodes_) {
-    fixed(node.size, [&](auto size) {
-      constexpr int r = size;
-      // The diagonal block: K_ii = L D L^T, L below the diagonal, D inverted aside.
-      double L[r][r], inverse_D[r];
-      for (int i = 0; i < r; ++i)
-        for (int k = 0; k <= i; ++k) L[i][k] = K[node.block + i + k * r];
-#pragma GCC unroll 3  // else g++ makes a loop of it, and the whole factor takes a third longer
-      for (int k = 0; k < r; ++k) {
-        const bool independent = L[k][k] > rounding * diagonal_[node.row + k];
-        inverse_D[k] = independent ? 1 / L[k][k] : 0;
-        for (int i = k + 1; i < r; ++i) {
-          const double L_ik = L[i][k] * inverse_D[k];
-          for (int j = k + 1; j <= i; ++j) L[i][j] -= L_ik * L[j][k];
-        }
-        for (int i = k + 1; i < r; ++i)
-          K[node.block + i + k * r] = L[i][k] = L[i][k] * inverse_D[k];
-        inverse_pivot_[node.row + k] = inverse_D[k];
-      }
-
-      for (int j = node.below_begin; j < node.below_end; ++j) {
-        const Below& a = below_[index(j)];
-        fixed(a.size, [&](auto s) {
-          // The blocks below it: X L^T = K_ji. Row block j of L is X D^-1; X is what is stored.
-          double X[s][r];
-          for (int i = 0; i < s; ++i)
-            for (int k = 0; k < r; ++k) {
-              X[i][k] = K[a.block + i + k * s];
-              for (int m = 0; m < k; ++m) X[i][k] -= X[i][m] * L[k][m];
-            }
-          for (int i = 0; i < s; ++i)
-            for (int k = 0; k < r; ++k) {
-              K[a.block + i + k * s] = X[i][k];
-              X[i][k] *= inverse_D[k];
-            }
-          // What remains for the others: K_jk -= X_j D^-1 X_k^T.
-          for (int k = node.below_begin; k <= j; ++k) {
-            const Below& b = below_[index(k)];
-            double* const K_jk = K + *update++;
-            fixed(b.size, [&](auto t) {
-              for (int n = 0; n < t; ++n)
-                for (int i = 0; i < s; ++i) {
-                  double sum = 0;
-                  for (int m = 0; m < r; ++m) sum += X[i][m] * K[b.block + n + m * t];
-                  K_jk[i + n * s] -= sum;
-                }
-            });
-          }
-        });
-      }
-    });
   }
+  for (int k = 0; k < r; ++k) {
+    inverse_D[k] = A[k][k] > smallest[k] ? 1 / A[k][k] : 0;
+    for (int i = k + 1; i < r; ++i) {
+      const double L_ik = A[i][k] * inverse_D[k];
+      for (int j = k + 1; j <= i; ++j) A[i][j] -= L_ik * A[j][k];
+    }
+    for (int i = k + 1; i < r; ++i) A[i][k] *= inverse_D[k];
+  }
+}
+
+}  // namespace
+
+void BlockLdlt::factor(double damping) {
+  alike(size_, [&](auto all) { factor_blocks<all>(damping); });
 }
 
 void BlockLdlt::solve(Eigen::VectorXd& b) const {
-  const double* const K = L_.data();
-  // L y = b, and y scaled by D^-1 at once, from the first node to the last.
-  for (const Node& node : nodes_) {
-    fixed(node.size, [&](auto size) {
+  alike(size_, [&](auto all) { solve_blocks<all>(b.data()); });
+}
+
+template <int all>
+void BlockLdlt::factor_blocks(double damping) {
+  L_ = K_;
+  double* const K = L_.data();  // a copy of K, which turns into L block by block
+  // The rounding that gathers in a pivot grows with the number of rows.
+  const double rounding =
+      8 * std::numeric_limits<double>::epsilon() * static_cast<double>(diagonal_.size());
+  const Below* const below = below_.data();
+  const int* update = updates_.data();
+  for (const Node& node : nodes_)
+    fixed<all>(node.size, [&](auto size) {
       constexpr int r = size;
-      const ConstBlock<r, r> L(K + node.block);
+      double L[r][r], inverse_D[r], smallest[r];
+      for (int i = 0; i < r; ++i)
+        for (int k = 0; k <= i; ++k) L[i][k] = K[node.block + i + k * r];
+      for (int k = 0; k < r; ++k) {
+        const double K_kk = K_[node.block + k * (r + 1)];
+        diagonal_[node.row + k] = K_kk;
+        smallest[k] = rounding * K_kk;
+        L[k][k] += damping * K_kk;
+      }
+      factor_node<r>(L, smallest, inverse_D);
+      for (int k = 0; k < r; ++k) {
+        inverse_pivot_[node.row + k] = inverse_D[k];
+        for (int i = k + 1; i < r; ++i) K[node.block + i + k * r] = L[i][k];
+      }
+
+      for (int j = node.below_begin; j < node.below_end; ++j)
+        fixed<all>(below[j].size, [&](auto s) {
+          // A block below it: K_ji = X L^T, X = L_ji D. What remains: K_jk -= X L_ki^T.
+          Eigen::Matrix<double, s, r> X = ConstBlock<s, r>(K + below[j].block), L_ji;
+          for (int k = 0; k < r; ++k) {
+            for (int m = 0; m < k; ++m) X.col(k) -= L[k][m] * X.col(m);
+            L_ji.col(k) = inverse_D[k] * X.col(k);
+          }
+          Block<s, r>(K + below[j].block) = L_ji;
+          for (int k = node.below_begin; k < j; ++k)
+            fixed<all>(below[k].size, [&](auto t) {
+              const ConstBlock<t, r> L_ki(K + below[k].block);
+              Block<s, t>(K + *update++) -= X.lazyProduct(L_ki.transpose());
+            });
+          Block<s, s>(K + *update++) -= X.lazyProduct(L_ji.transpose());
+        });
+    });
+}
+
+template <int all>
+void BlockLdlt::solve_blocks(double* x) const {
+  const double* const K = L_.data();
+  const Below* const below = below_.data();
+  // L y = b, from the first node to the last, and z = D^-1 y.
+  for (const Node& node : nodes_)
+    fixed<all>(node.size, [&](auto size) {
+      constexpr int r = size;
       double y[r];
       for (int k = 0; k < r; ++k) {
-        y[k] = b[node.row + k];
-        for (int i = 0; i < k; ++i) y[k] -= L(k, i) * y[i];
+        y[k] = x[node.row + k];
+        for (int i = 0; i < k; ++i) y[k] -= K[node.block + k + i * r] * y[i];
       }
-      for (int k = 0; k < r; ++k) b[node.row + k] = y[k] *= inverse_pivot_[node.row + k];
-      for (int j = node.below_begin; j < node.below_end; ++j) {
-        const Below& below = below_[index(j)];
-        fixed(below.size, [&](auto s) {
-          const ConstBlock<s, r> X(K + below.block);
-          for (int i = 0; i < s; ++i) {
-            double sum = 0;
-            for (int k = 0; k < r; ++k) sum += X(i, k) * y[k];
-            b[below.row + i] -= sum;
-          }
+      for (int j = node.below_begin; j < node.below_end; ++j)
+        fixed<all>(below[j].size, [&](auto s) {
+          const ConstBlock<s, r> L(K + below[j].block);
+          Eigen::Vector<double, s> y_j = ConstBlock<s, 1>(x + below[j].row);
+          for (int k = 0; k < r; ++k) y_j -= y[k] * L.col(k);
+          Block<s, 1>(x + below[j].row) = y_j;
         });
-      }
+      for (int k = 0; k < r; ++k) x[node.row + k] = y[k] * inverse_pivot_[node.row + k];
     });
-  }
-  // L^T x = D^-1 y, from the last node to the first.
-  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
-    fixed(node->size, [&](auto size) {
+  // L^T x = z, from the last node to the first.
+  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node)
+    fixed<all>(node->size, [&](auto size) {
       constexpr int r = size;
-      const ConstBlock<r, r> L(K + node->block);
-      double Xt_x[r] = {};
-      for (int j = node->below_begin; j < node->below_end; ++j) {
-        const Below& below = below_[index(j)];
-        fixed(below.size, [&](auto s) {
-          const ConstBlock<s, r> X(K + below.block);
+      double z[r];
+      for (int k = 0; k < r; ++k) z[k] = x[node->row + k];
+      for (int j = node->below_begin; j < node->below_end; ++j)
+        fixed<all>(below[j].size, [&](auto s) {
+          const double* const L = K + below[j].block;
           for (int k = 0; k < r; ++k)
-            for (int i = 0; i < s; ++i) Xt_x[k] += X(i, k) * b[below.row + i];
+            for (int i = 0; i < s; ++i) z[k] -= L[i + k * s] * x[below[j].row + i];
         });
-      }
-      double x[r];
-      for (int k = r - 1; k >= 0; --k) {
-        x[k] = b[node->row + k] - inverse_pivot_[node->row + k] * Xt_x[k];
-        for (int i = k + 1; i < r; ++i) x[k] -= L(i, k) * x[i];
-      }
-      for (int k = 0; k < r; ++k) b[node->row + k] = x[k];
+      for (int k = r - 1; k >= 0; --k)
+        for (int i = k + 1; i < r; ++i) z[k] -= K[node->block + i + k * r] * z[i];
+      for (int k = 0; k < r; ++k) x[node->row + k] = z[k];
     });
-  }
 }
 
 std::size_t BlockLdlt::bytes() const {
-  return sizeof(double) *
-             index(static_cast<int>(2 * K_.size() + diagonal_.size() + inverse_pivot_.size())) +
+  return sizeof(double) * index(static_cast<int>(K_.size() + L_.size() + diagonal_.size() +
+                                                 inverse_pivot_.size())) +
          sizeof(Node) * nodes_.size() + sizeof(Below) * below_.size() +
          sizeof(int) * (position_.size() + updates_.size());
 }

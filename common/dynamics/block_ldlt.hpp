@@ -16,17 +16,35 @@
 namespace dynamics {
 
 /// Calls f with n, which is 1, 2 or 3, as a compile-time constant: the blocks are so small that
-/// loops over them cost less when they are unrolled.
-template <class F>
+/// loops over them cost less when they are unrolled. all: the n of all blocks where they are alike,
+/// so that nobody has to look; 0 where they are not.
+template <int all = 0, class F>
 inline void fixed(int n, F&& f) {
-  switch (n) {
-    case 1:
-      return f(std::integral_constant<int, 1>());
-    case 2:
-      return f(std::integral_constant<int, 2>());
-    default:
-      return f(std::integral_constant<int, 3>());
+  if constexpr (all != 0) {
+    f(std::integral_constant<int, all>());
+  } else if (n == 1) {
+    f(std::integral_constant<int, 1>());
+  } else if (n == 2) {
+    f(std::integral_constant<int, 2>());
+  } else {
+    f(std::integral_constant<int, 3>());
   }
+}
+
+/// Calls f with `all`, from 0 to 3, as a compile-time constant, for use in fixed().
+template <class F>
+inline void alike(int all, F&& f) {
+  if (all == 0)
+    f(std::integral_constant<int, 0>());
+  else
+    fixed(all, f);
+}
+
+/// The number that all have in common; 0 where they differ or there are none.
+inline int in_common(const std::vector<int>& numbers) {
+  for (const int n : numbers)
+    if (n != numbers.front()) return 0;
+  return numbers.empty() ? 0 : numbers.front();
 }
 
 /// A block of r rows and c columns that stands somewhere in a flat array.
@@ -60,11 +78,16 @@ class BlockLdlt {
   /// Overwrites b with the solution of K x = b. Rows found dependent are not looked at.
   void solve(Eigen::VectorXd& b) const;
 
-  /// For each row, 1 / pivot, or 0 where the row depends on others.
-  const Eigen::VectorXd& inverse_pivots() const { return inverse_pivot_; }
   /// The diagonal of K as it was at the last factor().
   const Eigen::VectorXd& diagonal() const { return diagonal_; }
+  /// What the rows before it left of row i's diagonal entry, its pivot, relative to all of it: from
+  /// 1 to 0, when it depends on them.
+  double independence(Eigen::Index row) const {
+    return inverse_pivot_[row] == 0 ? 0 : 1 / (inverse_pivot_[row] * diagonal_[row]);
+  }
 
+  /// The size of all nodes; 0 where they differ.
+  int size() const { return size_; }
   int rank() const { return static_cast<int>((inverse_pivot_.array() != 0).count()); }
   int blocks() const { return static_cast<int>(nodes_.size() + below_.size()); }
   std::size_t bytes() const;
@@ -77,8 +100,13 @@ class BlockLdlt {
   struct Below {
     int node, size, row, block;
   };
+  template <int all>
+  void factor_blocks(double damping);
+  template <int all>
+  void solve_blocks(double* x) const;
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
+  int size_ = 0;
   std::vector<int> position_;  // of each node in the order of elimination
   std::vector<Node> nodes_;    // in that order
   std::vector<Below> below_;

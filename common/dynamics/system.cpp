@@ -10,6 +10,7 @@ namespace dynamics {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
@@ -52,6 +53,7 @@ void System::add_thing(const std::string& name, const VectorXd& mass, const Vect
   thing_info_.push_back({name, static_cast<int>(q0_.size()), static_cast<int>(q.size())});
   append(q0_, q);
   append(v0_, v);
+  append(M_, mass);
   append(W_, mass.cwiseInverse());
   append(constant_, VectorXd::Zero(q.size()));
   ready_ = false;
@@ -88,6 +90,9 @@ void System::prepare() {
   if (ready_) return;
   std::map<int, std::vector<JBlock>> blocks_of_column;
   for (const JBlock& block : J_blocks_) blocks_of_column[block.column].push_back(block);
+  std::vector<int> dofs;
+  for (const ThingInfo& thing : thing_info_) dofs.push_back(thing.dof);
+  dof_ = in_common(dofs);
 
   std::vector<int> sizes;
   for (const Joint& joint : joints_) sizes.push_back(joint.r);
@@ -109,87 +114,109 @@ void System::prepare() {
 
   F0_ = constant_;
   for (const ThingInfo& thing : thing_info_)
-    F0_.segment<2>(thing.column) += gravity_ / W_[thing.column];
+    F0_.segment<2>(thing.column) += gravity_ * M_[thing.column];
   F_.setZero(q0_.size());
   a_ = q_ = F_;
-  for (VectorXd* x : {&C_, &b_, &Jv_, &lambda_, &mu_, &size_}) x->setZero(C_.size());
+  for (VectorXd* x : {&C_, &size_, &per_size_, &per_K_, &b_, &Jv_, &lambda_, &mu_})
+    x->setZero(C_.size());
   J_.setZero();
+  factored_ = false;
   ready_ = true;
 }
 
 // ---- One evaluation ----
 
-// The things as they are in state q, v. The only place where sin and cos are taken.
+// The things as they are in state q, v. The only place where sin and cos are taken: once for each
+// angle, since the rate alone often changes.
 void System::load(const VectorXd& q, const VectorXd& v) {
   if (q.size() != q0_.size() || v.size() != q0_.size())
     throw std::invalid_argument("q and v must have one entry for each coordinate");
   for (auto& [particle, column] : things_.particles.slots)
     particle = {q.segment<2>(column), v.segment<2>(column)};
-  for (auto& [body, column] : things_.bodies.slots)
-    body = {q.segment<2>(column), v.segment<2>(column), q[column + 2], v[column + 2],
-            rotation(q[column + 2])};
+  for (auto& [body, column] : things_.bodies.slots) {
+    body.x = q.segment<2>(column);
+    body.v = v.segment<2>(column);
+    if (body.theta != q[column + 2]) body.A = rotation(q[column + 2]);
+    body.theta = q[column + 2];
+    body.omega = v[column + 2];
+  }
 }
 
-// All that concerns each joint alone, with F_ applied: C, J, b and the diagonal blocks of K.
-void System::find_rows() {
-  a_ = W_.cwiseProduct(F_);
-  double* const K = K_.K().data();
+JointPlace System::place(const Joint& joint) {
+  return {C_.data() + joint.row, size_.data() + joint.row, Jv_.data() + joint.row,
+          b_.data() + joint.row, K_.K().data() + joint.K,  J_.data() + joint.J};
+}
+
+// All that concerns each joint alone, with a_ = W F: C, J, b and the diagonal blocks of K.
+void System::find_equation() {
   K_.K().setZero();
-  for (const Joint& joint : joints_)
-    joint.rows->rows(
-        things_, W_, a_,
-        {C_.data() + joint.row, b_.data() + joint.row, K + joint.K, J_.data() + joint.J});
+  for (const Joint& joint : joints_) joint.rows->equation(things_, W_, a_, place(joint));
 }
 
-// The same in state q, v, for those who do not ask for b and so need no F.
+// C, its sizes, J and J v in state q, v.
 void System::evaluate(const VectorXd& q, const VectorXd& v) {
   load(q, v);
-  find_rows();
+  for (const Joint& joint : joints_) joint.rows->constraint(things_, v, place(joint));
+}
+
+// Calls f(block, r, dof) for each block of J, its size as constants.
+template <class F>
+void System::for_each_block_of_J(F&& f) const {
+  alike(K_.size(), [&](auto all_r) {
+    alike(dof_, [&](auto all_dof) {
+      for (const JBlock& block : J_blocks_)
+        fixed<all_r>(block.r, [&](auto r) {
+          fixed<all_dof>(block.dof, [&](auto dof) { f(block, r, dof); });
+        });
+    });
+  });
 }
 
 // y += sign J x
 void System::add_J(double sign, const VectorXd& x, VectorXd& y) const {
-  for (const JBlock& block : J_blocks_)
-    fixed(block.r, [&](auto r) {
-      fixed(block.dof, [&](auto dof) {
-        const ConstBlock<r, dof> J(J_.data() + block.J);
-        const ConstBlock<dof, 1> x_block(x.data() + block.column);
-        Block<r, 1>(y.data() + block.row).noalias() += sign * (J * x_block);
-      });
-    });
+  for_each_block_of_J([&](const JBlock& block, auto r, auto dof) {
+    const ConstBlock<r, dof> J(J_.data() + block.J);
+    const ConstBlock<dof, 1> x_thing(x.data() + block.column);
+    Block<r, 1>(y.data() + block.row) += sign * J.lazyProduct(x_thing);
+  });
 }
 
 // x += J^T y
 void System::add_Jt(const VectorXd& y, VectorXd& x) const {
-  for (const JBlock& block : J_blocks_)
-    fixed(block.r, [&](auto r) {
-      fixed(block.dof, [&](auto dof) {
-        const ConstBlock<r, dof> J(J_.data() + block.J);
-        const ConstBlock<r, 1> y_block(y.data() + block.row);
-        Block<dof, 1>(x.data() + block.column).noalias() += J.transpose() * y_block;
-      });
-    });
+  for_each_block_of_J([&](const JBlock& block, auto r, auto dof) {
+    const ConstBlock<r, dof> J(J_.data() + block.J);
+    const ConstBlock<r, 1> y_joint(y.data() + block.row);
+    Block<dof, 1>(x.data() + block.column) += J.transpose().lazyProduct(y_joint);
+  });
 }
 
 // K = J W J^T, factored: the joints wrote its diagonal blocks, here are those between two joints.
 void System::factor(double damping) {
   double* const K = K_.K().data();
-  for (const Pair& pair : pairs_)
-    fixed(pair.dof, [&](auto dof) {
-      fixed(pair.r_a, [&](auto r_a) {
-        fixed(pair.r_b, [&](auto r_b) {
-          const ConstBlock<r_a, dof> J_a(J_.data() + pair.J_a);
-          const ConstBlock<r_b, dof> J_b(J_.data() + pair.J_b);
-          for (int j = 0; j < r_b; ++j)
-            for (int i = 0; i < r_a; ++i) {
-              double sum = 0;
-              for (int k = 0; k < dof; ++k) sum += J_a(i, k) * W_[pair.column + k] * J_b(j, k);
-              K[pair.K + i + j * r_a] += sum;
-            }
+  alike(K_.size(), [&](auto all_r) {
+    alike(dof_, [&](auto all_dof) {
+      for (const Pair& pair : pairs_)
+        fixed<all_dof>(pair.dof, [&](auto dof) {
+          fixed<all_r>(pair.r_a, [&](auto r_a) {
+            fixed<all_r>(pair.r_b, [&](auto r_b) {
+              const ConstBlock<dof, 1> W(W_.data() + pair.column);
+              const ConstBlock<r_a, dof> J_a(J_.data() + pair.J_a);
+              const ConstBlock<r_b, dof> J_b(J_.data() + pair.J_b);
+              const Eigen::Matrix<double, r_a, dof> J_a_W = J_a * W.asDiagonal();
+              Block<r_a, r_b>(K + pair.K) += J_a_W.lazyProduct(J_b.transpose());
+            });
+          });
         });
-      });
     });
+  });
   K_.factor(damping);
+  factored_ = true;
+}
+
+// The same where K is not known yet, in the state that was evaluated last. Nobody asks for b.
+void System::factor_here(double damping) {
+  find_equation();
+  factor(damping);
 }
 
 // The things as they are, and the applied forces F on them.
@@ -205,7 +232,8 @@ void System::find_forces(double t, const VectorXd& q, const VectorXd& v) {
 
 void System::acceleration(double t, const VectorXd& q, const VectorXd& v, VectorXd& a) {
   find_forces(t, q, v);
-  find_rows();
+  a_ = W_.cwiseProduct(F_);
+  find_equation();
   lambda_ = b_;
   if (ks_ != 0) lambda_ -= ks_ * C_;
   if (kd_ != 0) add_J(-kd_, v, lambda_);
@@ -235,24 +263,27 @@ Vector3d System::reaction(JointHandle joint, int column) const {
 
 // The largest |x_k| / sqrt(K_kk). The root carries the row's units, so rows of all units compare.
 double System::residual(const VectorXd& x) const {
-  double square = 0;
-  for (Eigen::Index k = 0; k < x.size(); ++k)
-    if (K_.diagonal()[k] > 0) square = std::max(square, x[k] * x[k] / K_.diagonal()[k]);
-  return std::sqrt(square);
+  return x.size() == 0 ? 0 : std::sqrt(x.cwiseAbs2().cwiseProduct(per_K_).maxCoeff());
 }
 
-// The largest |C| relative to the terms that it is the difference of: about epsilon, whatever the
-// units, when C is nothing but rounding. Where these terms are 0, say for a wheel at the origin,
-// what a correction of C from `start` leaves there by its own rounding counts instead.
-double System::relative_error(double start) {
-  for (const Joint& joint : joints_) joint.rows->sizes(things_, size_.data() + joint.row);
-  if (!C_.allFinite()) return std::numeric_limits<double>::infinity();
-  double error = 0;
-  for (Eigen::Index k = 0; k < C_.size(); ++k) {
-    const double size = size_[k] + start * std::sqrt(K_.diagonal()[k]);
-    if (C_[k] != 0 && !(std::abs(C_[k]) <= error * size)) error = std::abs(C_[k]) / size;
-  }
-  return error;
+// Takes down 1 / K_kk, the measure of each row; 0 for a row that nothing can move.
+void System::find_metric() {
+  for (Eigen::Index k = 0; k < per_K_.size(); ++k)
+    per_K_[k] = 1 / (K_.diagonal()[k] > 0 ? K_.diagonal()[k] : infinity);
+}
+
+// Takes down how large C may be by rounding: about epsilon times the terms that it is the
+// difference of. Where these are 0, say for a wheel at the origin, what a correction of C from
+// `start` leaves there by its own rounding counts instead.
+void System::measure_rounding(double start) {
+  per_size_ = (size_.array().square() + start * start * K_.diagonal().array())
+                  .max(std::numeric_limits<double>::min())
+                  .inverse();
+}
+
+// The largest |C| in these terms: about epsilon, whatever the units, when C is rounding.
+double System::relative_error() const {
+  return C_.size() == 0 ? 0 : std::sqrt(C_.cwiseAbs2().cwiseProduct(per_size_).maxCoeff());
 }
 
 // x -= W J^T K^-1 error
@@ -264,49 +295,54 @@ void System::correct(const VectorXd& error, VectorXd& x) {
   x -= W_.cwiseProduct(F_);
 }
 
-// Needs J at q, and a factor of K from near it; one from q itself is made when that is not enough.
-// J v of a row is compared, through sqrt(K_kk), with the velocity in the mass metric.
-bool System::project_velocities(const VectorXd& q, VectorXd& v) {
-  for (int pass = 0;; ++pass) {
+// Needs J and J v at q, v, and a factor of K from near them; one from q itself is made when that is
+// not enough. J v of a row is compared, through sqrt(K_kk), with the velocity in the mass metric.
+bool System::project_velocities(VectorXd& v) {
+  for (int pass = 1;;
+       ++pass) {  // one is always made: in this metric a light thing's error is small
+    correct(Jv_, v);
     Jv_.setZero();
     add_J(1, v, Jv_);
-    const double rounding = epsilon * std::sqrt((v.array().square() / W_.array()).sum());
+    const double rounding = epsilon * std::sqrt(2 * kinetic_energy(v));
     const double error = residual(Jv_);
-    // The first correction is always made: a light thing's error is small in the mass metric.
-    if (pass > 0 && error <= rounding) return true;
+    if (error <= rounding) return true;
     if (pass == 3) return error <= 16 * rounding;
-    if (pass == 1) {
-      evaluate(q, v);
-      factor();
-    }
-    correct(Jv_, v);
+    if (pass == 1) factor_here();
   }
 }
 
 Projection System::project(VectorXd& q, VectorXd& v) {
   prepare();
   evaluate(q, v);
-  factor();
+  // One factor serves all steps: that of the acceleration before, from very near q, or else one
+  // from q itself. It is renewed when they converge slowly; when that does not help either, C is at
+  // its rounding or cannot be closed.
+  bool renewed = !factored_;
+  if (renewed) factor_here();
+  find_metric();
+  measure_rounding(residual(C_));
   q_ = q;
-  const double start = residual(C_);
-  const double error_before = relative_error(start);
+  const double error_before = relative_error();
   double error = error_before;
   int steps = 0;
-  // One factor serves all steps, unless they converge slowly: then it is renewed. When that does
-  // not help either, C is at its rounding or cannot be closed.
-  for (bool renewed = true; error > epsilon && steps < 12; ++steps) {
+  for (; error > epsilon && steps < 12; ++steps) {
     correct(C_, q);
     evaluate(q, v);
-    const double before = std::exchange(error, relative_error(start));
+    const double before = std::exchange(error, relative_error());
     if (renewed && !(error < before / 2)) break;
     renewed = !(error < before / 100);
-    if (renewed) factor();
+    if (renewed && steps == 0) {  // from further away than was thought
+      q = q_;
+      evaluate(q, v);
+      error = before;
+    }
+    if (renewed) factor_here();
   }
-  if (!(error <= error_before) || !std::isfinite(error)) {
+  if (!(error <= error_before) || !C_.allFinite()) {
     q = q_;
     return {false, steps};
   }
-  const bool converged = project_velocities(q, v);
+  const bool converged = project_velocities(v);
   return {converged && error <= 16 * epsilon, steps};
 }
 
@@ -315,28 +351,31 @@ Assembly System::assemble(VectorXd& q, VectorXd& v) {
   if (!q.allFinite() || !v.allFinite())
     throw AssemblyError("cannot assemble: q and v must be finite");
   constexpr double closed = 64 * epsilon;
-  VectorXd best = q, trial = q, C_best, weight;
+  VectorXd best = q, trial = q, C_best;
   evaluate(q, v);
   Assembly report{};
   report.C_before = largest(C_);
-  factor();
+  factor_here();
+  find_metric();
   const double start = residual(C_);
 
   // Newton's method; whenever a step does not reduce C, K's diagonal is raised (Levenberg and
   // Marquardt), which shortens the step and turns it to the steepest descent. C is measured
   // through the diagonal of K, so that rows of all units count alike.
-  report.projected = relative_error(0) > closed;
+  measure_rounding(0);
+  report.projected = relative_error() > closed;
   double damping = 0;
   for (int step = 0; report.projected && step < 300 && damping < 1e9; ++step) {
     evaluate(best, v);
-    if (relative_error(start) <= epsilon) break;
-    factor(damping);
+    measure_rounding(start);
+    if (relative_error() <= epsilon) break;
+    factor_here(damping);
+    find_metric();
     C_best = C_;
-    weight = (K_.diagonal().array() > 0).select(K_.diagonal().cwiseInverse(), 0);
     trial = best;
     correct(C_, trial);
     evaluate(trial, v);
-    if (C_.cwiseAbs2().dot(weight) < C_best.cwiseAbs2().dot(weight)) {
+    if (C_.cwiseAbs2().dot(per_K_) < C_best.cwiseAbs2().dot(per_K_)) {
       best = trial;
       damping = damping > 1e-6 ? damping / 10 : 0;
     } else {
@@ -345,9 +384,10 @@ Assembly System::assemble(VectorXd& q, VectorXd& v) {
   }
 
   evaluate(best, v);
-  if (!(relative_error(start) <= closed)) {
+  measure_rounding(start);
+  if (!(relative_error() <= closed) || !C_.allFinite()) {
     Eigen::Index worst = 0;
-    (C_.array().abs() / (size_.array() + start * K_.diagonal().array().sqrt())).maxCoeff(&worst);
+    C_.cwiseAbs2().cwiseProduct(per_size_).maxCoeff(&worst);
     const RowState open = row_state(worst);
     char by[32];
     std::snprintf(by, sizeof by, "%.3g", std::abs(open.C));
@@ -357,9 +397,10 @@ Assembly System::assemble(VectorXd& q, VectorXd& v) {
   report.moved = largest(best - q);
   report.C_after = largest(C_);
   q = best;
-  factor();  // at q; velocity_error leaves the factor alone
-  report.Jv_before = velocity_error(q, v);
-  project_velocities(q, v);
+  factor_here();  // at q; velocity_error leaves the factor alone
+  find_metric();
+  report.Jv_before = largest(Jv_);
+  project_velocities(v);
   report.Jv_after = velocity_error(q, v);
   return report;
 }
@@ -371,7 +412,7 @@ double System::energy(const VectorXd& q, const VectorXd& v) {
   load(q, v);
   double energy = kinetic_energy(v);
   for (const ThingInfo& thing : thing_info_)
-    energy -= gravity_.dot(q.segment<2>(thing.column)) / W_[thing.column];
+    energy -= gravity_.dot(q.segment<2>(thing.column)) * M_[thing.column];
   for (const auto& [thing, F, V] : things_.particles.laws)
     if (V) energy += V(things_[thing]);
   for (const auto& [thing, F, V] : things_.bodies.laws)
@@ -381,11 +422,11 @@ double System::energy(const VectorXd& q, const VectorXd& v) {
 
 double System::kinetic_energy(const ThingInfo& thing, const VectorXd& v) const {
   const auto part = Eigen::seqN(thing.column, thing.dof);
-  return (v(part).array().square() / W_(part).array()).sum() / 2;
+  return (v(part).array().square() * M_(part).array()).sum() / 2;
 }
 
 double System::kinetic_energy(const VectorXd& v) const {
-  return (v.array().square() / W_.array()).sum() / 2;
+  return (v.array().square() * M_.array()).sum() / 2;
 }
 
 double System::drive(double t, const VectorXd& q, const VectorXd& v) {
@@ -401,7 +442,7 @@ double System::free_acceleration(double t, const VectorXd& q, const VectorXd& v)
 double System::distance(const VectorXd& q) {
   prepare();
   evaluate(q, v0_);
-  factor();
+  factor_here();
   mu_ = C_;
   K_.solve(mu_);
   return std::sqrt(std::max(0.0, C_.dot(mu_)));
@@ -416,8 +457,6 @@ double System::constraint_error(const VectorXd& q) {
 double System::velocity_error(const VectorXd& q, const VectorXd& v) {
   prepare();
   evaluate(q, v);
-  Jv_.setZero();
-  add_J(1, v, Jv_);
   return largest(Jv_);
 }
 
@@ -435,25 +474,25 @@ Counts System::counts() {
   prepare();
   const auto bytes = [](const auto&... x) { return (... + (sizeof(x[0]) * index(int(x.size())))); };
   const int coordinates = static_cast<int>(q0_.size()), rank = K_.rank();
-  return {
-      .things = static_cast<int>(thing_info_.size()),
-      .coordinates = coordinates,
-      .rows = static_cast<int>(C_.size()),
-      .rank = rank,
-      .degrees_of_freedom = coordinates - rank,
-      .jacobian_blocks = static_cast<int>(J_blocks_.size()),
-      .factor_blocks = K_.blocks(),
-      .state_bytes = bytes(q0_, v0_),
-      .workspace_bytes = bytes(things_.particles.slots, things_.bodies.slots, joints_, J_blocks_,
-                               pairs_, W_, F0_, F_, a_, q_, C_, b_, Jv_, lambda_, mu_, size_, J_) +
-                         K_.bytes()};
+  return {.things = static_cast<int>(thing_info_.size()),
+          .coordinates = coordinates,
+          .rows = static_cast<int>(C_.size()),
+          .rank = rank,
+          .degrees_of_freedom = coordinates - rank,
+          .jacobian_blocks = static_cast<int>(J_blocks_.size()),
+          .factor_blocks = K_.blocks(),
+          .state_bytes = bytes(q0_, v0_),
+          .workspace_bytes =
+              bytes(things_.particles.slots, things_.bodies.slots, joints_, J_blocks_, pairs_, M_,
+                    W_, F0_, F_, a_, q_, C_, size_, per_size_, per_K_, b_, Jv_, lambda_, mu_, J_) +
+              K_.bytes()};
 }
 
 std::vector<JointRow> System::dependent_rows() const {
   std::vector<JointRow> rows;
   for (const Joint& joint : joints_)
     for (int k = 0; k < joint.r; ++k)
-      if (K_.inverse_pivots()[joint.row + k] == 0) rows.push_back({joint.name, k + 1});
+      if (K_.independence(joint.row + k) == 0) rows.push_back({joint.name, k + 1});
   return rows;
 }
 
@@ -461,28 +500,24 @@ RowState System::row_state(Eigen::Index row) const {
   const auto joint =
       std::find_if(joints_.rbegin(), joints_.rend(), [&](auto& j) { return j.row <= row; });
   const int k = static_cast<int>(row) - joint->row;
-  const double inverse_pivot = K_.inverse_pivots()[row];
-  return {{joint->name, k + 1},
-          joint->unit[k],
-          C_[row],
-          inverse_pivot == 0 ? 0 : 1 / (inverse_pivot * K_.diagonal()[row])};
+  return {{joint->name, k + 1}, joint->unit[k], C_[row], K_.independence(row)};
 }
 
 RowState System::worst_row() const {
-  Eigen::Index row = 0;
-  (K_.diagonal().array() > 0)
-      .select(C_.array().square() / K_.diagonal().array(), 0.0)
-      .maxCoeff(&row);
-  return row_state(row);
+  Eigen::Index worst = 0;
+  double largest = 0;
+  for (Eigen::Index row = 0; row < C_.size(); ++row) {
+    const double square = K_.diagonal()[row] > 0 ? C_[row] * C_[row] / K_.diagonal()[row] : 0;
+    if (square > largest) worst = row, largest = square;
+  }
+  return row_state(worst);
 }
 
 RowState System::weakest_row() const {
-  Eigen::Index row = 0;
-  (K_.inverse_pivots().array() == 0)
-      .select(std::numeric_limits<double>::infinity(),
-              K_.inverse_pivots().array() * K_.diagonal().array())
-      .maxCoeff(&row);
-  return row_state(row);
+  Eigen::Index weakest = 0;
+  for (Eigen::Index row = 1; row < C_.size(); ++row)
+    if (K_.independence(row) < K_.independence(weakest)) weakest = row;
+  return row_state(weakest);
 }
 
 }  // namespace dynamics

@@ -66,21 +66,22 @@ struct Things {
   const Body& operator[](Handle<Body> b) const { return bodies.slots[std::size_t(b.index)].thing; }
 };
 
-/// Where a joint writes its part of equation 1: r numbers each for C and b = -Jdot_v - J W F, its
-/// diagonal block of J W J^T, and its blocks J1, J2 one behind the other, each column by column.
+/// Where a joint writes its part of equation 1: its rows of C, of the sizes of C's terms, of J v
+/// and of b = -Jdot_v - J W F, its diagonal block of J W J^T, and its blocks J1, J2 one behind the
+/// other, each column by column.
 struct JointPlace {
-  double *C, *b, *JWJt, *J;
+  double *C, *size, *Jv, *b, *JWJt, *J;
 };
 
 /// A joint of any type between any two things, for the solver: one call does all that concerns
 /// this joint alone, where its sizes are known to the compiler.
 struct AnyJoint {
   virtual ~AnyJoint() = default;
-  /// W and a = W F have an entry for each coordinate.
-  virtual void rows(const Things&, const VectorXd& W, const VectorXd& a,
-                    const JointPlace& place) const = 0;
-  /// Writes the sizes of the terms of C.
-  virtual void sizes(const Things&, double* size) const = 0;
+  /// Writes C, J, b and JWJt. W and a = W F have an entry for each coordinate.
+  virtual void equation(const Things&, const VectorXd& W, const VectorXd& a,
+                        const JointPlace& place) const = 0;
+  /// Writes C, its sizes, J v and J.
+  virtual void constraint(const Things&, const VectorXd& v, const JointPlace& place) const = 0;
 };
 
 template <class Joint, class First, class Second>
@@ -90,27 +91,42 @@ struct JointOf final : AnyJoint {
 
   JointOf(Joint j, Handle<First> f, Handle<Second> s) : joint(std::move(j)), first(f), second(s) {}
 
-  void rows(const Things& things, const VectorXd& W, const VectorXd& a,
-            const JointPlace& place) const override {
+  void equation(const Things& things, const VectorXd& W, const VectorXd& a,
+                const JointPlace& place) const override {
     const Rows rows = joint.rows(things[first], things[second]);
-    double b[r], JWJt[r * r] = {};
-    for (int i = 0; i < r; ++i) b[i] = -rows.Jdot_v[i];
-    const auto add = [&](const auto& J, int column, int dof, double* out) {
-      for (int k = 0; k < dof; ++k)
-        for (int i = 0; i < r; ++i) {
-          out[i + k * r] = J(i, k);
-          b[i] -= J(i, k) * a[column + k];
-          for (int j = 0; j < r; ++j) JWJt[i + j * r] += J(i, k) * W[column + k] * J(j, k);
-        }
+    Eigen::Vector<double, r> b = -rows.Jdot_v;
+    Eigen::Matrix<double, r, r> JWJt = Eigen::Matrix<double, r, r>::Zero();
+    const auto add = [&](const auto& J, int column) {
+      constexpr int dof = std::decay_t<decltype(J)>::ColsAtCompileTime;
+      const Eigen::Vector<double, dof> W_thing = ConstBlock<dof, 1>(W.data() + column);
+      const Eigen::Matrix<double, r, dof> JW = J * W_thing.asDiagonal();
+      JWJt += JW.lazyProduct(J.transpose());
+      b -= J.lazyProduct(ConstBlock<dof, 1>(a.data() + column));
     };
-    if constexpr (First::dof > 0) add(rows.J1, first.column, First::dof, place.J);
-    if constexpr (Second::dof > 0)
-      add(rows.J2, second.column, Second::dof, place.J + r * First::dof);
-    for (int i = 0; i < r; ++i) place.C[i] = rows.C[i], place.b[i] = b[i];
-    for (int i = 0; i < r * r; ++i) place.JWJt[i] = JWJt[i];
+    if constexpr (First::dof > 0) add(rows.J1, first.column);
+    if constexpr (Second::dof > 0) add(rows.J2, second.column);
+    Block<r, 1>{place.b} = b;
+    Block<r, r>{place.JWJt} = JWJt;
+    write_C_and_J(rows, place);
   }
-  void sizes(const Things& things, double* size) const override {
-    Block<r, 1>{size} = joint.rows(things[first], things[second]).size;
+  void constraint(const Things& things, const VectorXd& v, const JointPlace& place) const override {
+    const Rows rows = joint.rows(things[first], things[second]);
+    Eigen::Vector<double, r> Jv = Eigen::Vector<double, r>::Zero();
+    if constexpr (First::dof > 0) Jv += rows.J1.lazyProduct(part(v, first));
+    if constexpr (Second::dof > 0) Jv += rows.J2.lazyProduct(part(v, second));
+    Block<r, 1>{place.size} = rows.size;
+    Block<r, 1>{place.Jv} = Jv;
+    write_C_and_J(rows, place);
+  }
+
+  template <class Thing>
+  static ConstBlock<Thing::dof, 1> part(const VectorXd& x, Handle<Thing> thing) {
+    return ConstBlock<Thing::dof, 1>(x.data() + thing.column);
+  }
+  static void write_C_and_J(const Rows& rows, const JointPlace& place) {
+    Block<r, 1>{place.C} = rows.C;
+    if constexpr (First::dof > 0) Block<r, First::dof>{place.J} = rows.J1;
+    if constexpr (Second::dof > 0) Block<r, Second::dof>{place.J + r* First::dof} = rows.J2;
   }
 
   Joint joint;
@@ -304,14 +320,20 @@ class System {
   void evaluate(const VectorXd& q, const VectorXd& v);
   void load(const VectorXd& q, const VectorXd& v);
   void find_forces(double t, const VectorXd& q, const VectorXd& v);
-  void find_rows();
+  JointPlace place(const Joint& joint);
+  template <class F>
+  void for_each_block_of_J(F&& f) const;
+  void find_equation();
   void factor(double damping = 0);
+  void factor_here(double damping = 0);
   void add_J(double sign, const VectorXd& x, VectorXd& y) const;
   void add_Jt(const VectorXd& y, VectorXd& x) const;
   void correct(const VectorXd& error, VectorXd& x);
   double residual(const VectorXd& x) const;
-  double relative_error(double start);
-  bool project_velocities(const VectorXd& q, VectorXd& v);
+  void find_metric();
+  void measure_rounding(double start);
+  double relative_error() const;
+  bool project_velocities(VectorXd& v);
   Vector3d reaction(JointHandle joint, int column) const;
   RowState row_state(Eigen::Index row) const;
 
@@ -324,11 +346,12 @@ class System {
 
   Vector2d gravity_ = Vector2d::Zero();
   double ks_ = 0, kd_ = 0;
-  bool ready_ = false;
+  bool ready_ = false, factored_ = false;
+  int dof_ = 0;  // of all things; 0 where they differ
 
-  VectorXd q0_, v0_, W_, constant_, F0_, F_, a_, q_;  // one entry a coordinate
-  VectorXd C_, b_, Jv_, lambda_, mu_, size_;          // one entry a row
-  VectorXd J_;                                        // the blocks of J, one behind the other
+  VectorXd q0_, v0_, M_, W_, constant_, F0_, F_, a_, q_;         // one entry a coordinate
+  VectorXd C_, size_, per_size_, per_K_, b_, Jv_, lambda_, mu_;  // one entry a row
+  VectorXd J_;  // the blocks of J, one behind the other
 };
 
 }  // namespace dynamics
