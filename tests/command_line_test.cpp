@@ -85,6 +85,38 @@ void check_refused(const std::string& command, const std::string& named, int sta
 
 }  // namespace
 
+TEST_CASE("a run says what its scene uses and what was left out, as counted by hand") {
+  // bodies have 3 coordinates, particles 2; the ground's rows are 3, a pin's and a rail's 2
+  const std::vector<std::string> uses{
+      "1 thing, 2 coordinates, 1 row of rank 1, 1 degree of freedom, 32 bytes of state, ",
+      "1 thing, 1 coordinate, 0 rows of rank 0, 1 degree of freedom, 16 bytes of state, ",
+      "2 things, 4 coordinates, 3 rows of rank 3, 1 degree of freedom, 4 blocks of J, 5 of its "
+      "factor, 64 bytes of state, ",
+      "1 thing, 3 coordinates, 3 rows of rank 3, 0 degrees of freedom, 1 block of J, 1 of its "
+      "factor, 48 bytes of state, ",
+      "1 thing, 3 coordinates, 2 rows of rank 2, 1 degree of freedom, 1 block of J, 1 of its "
+      "factor, 48 bytes of state, ",
+      "1 thing, 3 coordinates, 2 rows of rank 2, 1 degree of freedom, 1 block of J, 1 of its "
+      "factor, 48 bytes of state, ",
+      "3 things, 9 coordinates, 8 rows of rank 8, 1 degree of freedom, 6 blocks of J, 7 of its "
+      "factor, 144 bytes of state, "};
+  const std::vector<std::string> names = chapters();
+  REQUIRE(names.size() == uses.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string out = shell(program(names[i]) + " run").out;
+    INFO(out);
+    CHECK(holds(out, "\nuses: " + uses[i]));
+    CHECK(holds(out, " ns a step\n"));
+  }
+  const std::string crank = program(names.back()) + " run ";
+  CHECK(holds(shell(crank).out, "\nleft out: the frame, feedback, projection\n"));
+  CHECK(holds(shell(crank + "--simulate-frame 1 --stabilization projection").out,
+              "\nuses: 4 things, 12 coordinates, 11 rows of rank 11, 1 degree of freedom"));
+  CHECK(
+      holds(shell(crank + "--stabilization feedback").out, "\nleft out: the frame, projection\n"));
+  CHECK(holds(shell(program(names[2]) + " run").out, "\nleft out: angles, feedback, projection\n"));
+}
+
 TEST_CASE("help names every option with its unit and exits with 0") {
   for (const std::string& chapter : chapters()) {
     INFO(chapter);

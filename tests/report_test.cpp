@@ -32,6 +32,15 @@ struct Oscillator {
   std::string culprit(double, double, double) const { return "the oscillator"; }
   double free_acceleration() const { return 1.0; }
   measure::Columns columns() const { return {{"q", "v"}, {}}; }
+  measure::Uses uses() const {
+    return {.things = 1,
+            .coordinates = 1,
+            .rows = 0,
+            .rank = 0,
+            .state_bytes = 2 * sizeof(double),
+            .workspace_bytes = 0,
+            .left_out = {}};
+  }
   void observe(double, double q, double v, measure::Row& row) const { row.state = {q, v}; }
 };
 

@@ -65,6 +65,16 @@ class ParametricBead {
             {"particle_curve.fx", "particle_curve.fy", "particle_curve.moment"}};
   }
 
+  measure::Uses uses() const {
+    return {.things = 1,
+            .coordinates = 1,
+            .rows = 0,
+            .rank = 0,
+            .state_bytes = 2 * sizeof(Vector),
+            .workspace_bytes = sizeof *this,
+            .left_out = {"the constraint and its force", "all matrices"}};
+  }
+
   void observe(double, double q, double qdot, measure::Row& row) const {
     const Eigen::Vector2d x = this->x(q), v = this->v(q, qdot);
     row.state = {q, qdot, x.x(), x.y(), v.x(), v.y()};

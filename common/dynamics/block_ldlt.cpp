@@ -80,6 +80,7 @@ namespace {
 
 /// Turns A, of which the lower triangle is given, into L of A = L D L^T. A row whose pivot is not
 /// above `smallest` depends on those before it: its 1 / D is 0, and so is its column of L.
+/// Inlined by force: all else waits for these numbers, and a call would pass them through memory.
 template <int r>
 [[gnu::always_inline]] inline void factor_node(double (&A)[r][r], const double (&smallest)[r],
                                                double (&inverse_D)[r]) {

@@ -126,7 +126,8 @@ struct JointOf final : AnyJoint {
   static void write_C_and_J(const Rows& rows, const JointPlace& place) {
     Block<r, 1>{place.C} = rows.C;
     if constexpr (First::dof > 0) Block<r, First::dof>{place.J} = rows.J1;
-    if constexpr (Second::dof > 0) Block<r, Second::dof>{place.J + r* First::dof} = rows.J2;
+    constexpr int size_of_J1 = r * First::dof;
+    if constexpr (Second::dof > 0) Block<r, Second::dof>{place.J + size_of_J1} = rows.J2;
   }
 
   Joint joint;

@@ -47,6 +47,16 @@ struct Columns {
   std::vector<std::string> reactions;
 };
 
+/// What a scene holds, and what it does without.
+struct Uses {
+  int things, coordinates, rows, rank;
+  int blocks_of_J = 0, blocks_of_factor = 0;  ///< 0 where there are no matrices
+  std::size_t state_bytes, workspace_bytes;
+  std::vector<std::string> left_out;
+
+  int degrees_of_freedom() const { return coordinates - rank; }
+};
+
 /// A simulation that cannot go on; the message is one line for the user.
 struct Diverged : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -85,6 +95,8 @@ class Simulation {
   virtual std::string culprit() = 0;
   virtual Row row() = 0;
   virtual Columns columns() const = 0;
+  /// After the last evaluation of the acceleration.
+  virtual Uses uses() = 0;
   /// What the user should know of the start, a line each: a state that had to be projected, for
   /// example.
   virtual std::vector<std::string> notes() const = 0;
@@ -112,6 +124,7 @@ concept Model = requires(M model, typename M::Vector& q, typename M::Vector& v, 
   { model.culprit(0.0, q, v) } -> std::same_as<std::string>;
   { model.free_acceleration() } -> std::same_as<double>;  // |q̈| at the start without constraints
   { model.columns() } -> std::same_as<Columns>;
+  { model.uses() } -> std::same_as<Uses>;
   model.observe(0.0, q, v, row);  // fills row.state and row.reactions
 };
 
@@ -180,6 +193,12 @@ class Motion final : public Simulation {
   }
   std::string culprit() override { return model_.culprit(t_, q_, v_); }
   Columns columns() const override { return model_.columns(); }
+  Uses uses() override {
+    Uses uses = model_.uses();
+    if constexpr (requires { model_.project(q_, v_); })
+      if (!projected_) uses.left_out.push_back("projection");
+    return uses;
+  }
   Row row() override {
     Row row{t_, {}, measures(), {}};
     model_.observe(t_, q_, v_, row);

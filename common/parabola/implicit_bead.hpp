@@ -85,6 +85,18 @@ class ImplicitBead {
             {"particle_curve.fx", "particle_curve.fy", "particle_curve.moment"}};
   }
 
+  measure::Uses uses() const {
+    std::vector<std::string> left_out{"the angle", "all matrices"};
+    if (ks_ == 0.0 && kd_ == 0.0) left_out.push_back("feedback");
+    return {.things = 1,
+            .coordinates = 2,
+            .rows = 1,
+            .rank = 1,
+            .state_bytes = 2 * sizeof(Vector),
+            .workspace_bytes = sizeof *this,
+            .left_out = left_out};
+  }
+
   void observe(double, const Vector& x, const Vector& v, measure::Row& row) const {
     row.state = {x.x(), x.y(), v.x(), v.y()};
     const Vector force = constraint_force(x, v, F_);

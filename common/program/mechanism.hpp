@@ -30,7 +30,7 @@ class Mechanism {
   /// Work [J] of the loads that have no potential, up to state q. Empty: none.
   std::function<double(const Vector& q)> work;
 
-  explicit Mechanism(const measure::Method& method) : ks_(method.ks) {
+  explicit Mechanism(const measure::Method& method) : ks_(method.ks), kd_(method.kd) {
     system.set_feedback(method.ks, method.kd);
   }
 
@@ -135,6 +135,25 @@ class Mechanism {
     return columns;
   }
 
+  measure::Uses uses() {
+    const dynamics::Counts counts = system.counts();
+    std::vector<std::string> left_out;
+    for (const std::string& name : fixed_) left_out.push_back("the " + name);
+    const auto& things = system.things();
+    if (std::all_of(things.begin(), things.end(), [](const auto& thing) { return thing.dof == 2; }))
+      left_out.push_back("angles");
+    if (ks_ == 0.0 && kd_ == 0.0) left_out.push_back("feedback");
+    return {.things = counts.things,
+            .coordinates = counts.coordinates,
+            .rows = counts.rows,
+            .rank = counts.rank,
+            .blocks_of_J = counts.jacobian_blocks,
+            .blocks_of_factor = counts.factor_blocks,
+            .state_bytes = counts.state_bytes,
+            .workspace_bytes = counts.workspace_bytes,
+            .left_out = left_out};
+  }
+
   void observe(double t, const Vector& q, const Vector& v, measure::Row& row) {
     row.state.assign(6 * fixed_.size(), 0.0);
     for (const dynamics::ThingInfo& thing : system.things())
@@ -150,7 +169,7 @@ class Mechanism {
   std::vector<std::pair<std::string, Reaction>> reactions_;
   std::vector<std::string> fixed_, notes_;
   SingularPoses poses_;
-  double ks_;
+  double ks_, kd_;
   long left_open_ = 0;
   Vector q_, v_, a_;
 };

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "integrators/amplification.hpp"
+#include "measure/clock.hpp"
 #include "measure/watch.hpp"
 #include "program/chapter.hpp"
 #include "program/files.hpp"
@@ -324,9 +326,42 @@ bool is_finite(const measure::Row& row) {
   return all(row.state) && all(row.reactions);
 }
 
-void print_summary(const Chapter& chapter, const RunOptions& run,
-                   const measure::Simulation& simulation, const measure::Row& last,
-                   const std::vector<double>& errors, const measure::Measures& largest) {
+/// Processor time of a step [s]: the first of them once more, without anything between, since a
+/// clock takes longer than a step.
+double seconds_per_step(const Chapter& chapter, const RunOptions& run) {
+  const auto simulation = chapter.start(run.method);
+  double best = std::numeric_limits<double>::infinity();
+  const double start = measure::cpu_seconds();
+  for (long batch = 1, done = 0; done + batch <= run.whole_steps(); done += batch, batch *= 2) {
+    const double before = measure::cpu_seconds();
+    const long steps = simulation->steps();
+    simulation->advance(batch, run.step);
+    const double now = measure::cpu_seconds();
+    best = std::min(best, (now - before) / static_cast<double>(simulation->steps() - steps));
+    if (now - start > 2e-3) break;
+  }
+  return best;
+}
+
+/// What the scene holds, what a step of it costs, and what was left out.
+void print_uses(const measure::Uses& uses, double step) {
+  const auto some = [](int count, const char* of_one, const char* of_more) {
+    return fmt::format("{} {}", count, count == 1 ? of_one : of_more);
+  };
+  fmt::print("uses: {}, {}, {} of rank {}, {}", some(uses.things, "thing", "things"),
+             some(uses.coordinates, "coordinate", "coordinates"), some(uses.rows, "row", "rows"),
+             uses.rank, some(uses.degrees_of_freedom(), "degree of freedom", "degrees of freedom"));
+  if (uses.blocks_of_J > 0)
+    fmt::print(", {} of J, {} of its factor", some(uses.blocks_of_J, "block", "blocks"),
+               uses.blocks_of_factor);
+  fmt::print(", {} bytes of state, {} of workspace", uses.state_bytes, uses.workspace_bytes);
+  if (std::isfinite(step)) fmt::print(", {:.0f} ns a step", 1e9 * step);
+  fmt::print("\nleft out: {}\n", fmt::join(uses.left_out, ", "));
+}
+
+void print_summary(const Chapter& chapter, const RunOptions& run, measure::Simulation& simulation,
+                   const measure::Row& last, const std::vector<double>& errors,
+                   const measure::Measures& largest) {
   const auto line = [](const std::string& name, double value, const std::string& unit) {
     fmt::print("  {:<28}{:>12.3g} {}\n", name, value, unit);
   };
@@ -341,6 +376,7 @@ void print_summary(const Chapter& chapter, const RunOptions& run,
     fmt::print("feedback: ks = {:g} 1/s², kd = {:g} 1/s, h√ks = {:.3g}\n", run.method.ks,
                run.method.kd, run.step * std::sqrt(run.method.ks));
   for (const std::string& note : simulation.notes()) fmt::print("{}\n", note);
+  print_uses(simulation.uses(), seconds_per_step(chapter, run));
   fmt::print("\nstate at the end\n");
   const measure::Columns columns = simulation.columns();
   for (std::size_t i = 0; i < columns.state.size(); ++i)

@@ -1,12 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <random>
 
 #include "catch.hpp"
-#include "dense.hpp"
 #include "engine.hpp"
-#include "mechanism.hpp"
 
 using namespace peers;
 
@@ -81,30 +78,5 @@ TEST_CASE("every engine starts as the scene does") {
         CHECK(std::abs(state[i].theta - model.parts[i].theta) < 1e-6);
       }
     }
-  }
-}
-
-TEST_CASE("the model is the chapter's, and the dense form its equation to rounding") {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  for (const Model& model : {peers::slider_crank(), chain(1), chain(10)}) {
-    program::Mechanism mechanism = make_mechanism(model);
-    DenseForm dense_matrices(model);
-    Eigen::VectorXd q = mechanism.initial_position(), v = mechanism.initial_velocity();
-    const Eigen::Index n = q.size(), frame = 3 * dense_matrices.frame();
-    CHECK((dense_matrices.initial_q().tail(n) - q).norm() < 1e-14);
-    CHECK((dense_matrices.W().tail(n) - mechanism.system.W()).norm() <
-          1e-12 * mechanism.system.W().norm());
-
-    for (Eigen::Index i = 0; i < n; ++i) v[i] = uniform(random);
-    mechanism.project(q, v);
-    Eigen::VectorXd a = v, dense_q = Eigen::VectorXd::Zero(n + frame), dense_v = dense_q,
-                    dense_a = dense_q;
-    mechanism.acceleration(0.0, q, v, a);
-    dense_q.tail(n) = q;
-    dense_v.tail(n) = v;
-    dense_matrices.acceleration(dense_q, dense_v, dense_a);
-    CHECK((dense_a.tail(n) - a).norm() < 1e-11 * a.norm());
-    CHECK(dense_a.head(frame).norm() < 1e-11 * a.norm());
   }
 }

@@ -1,0 +1,113 @@
+#include "leave_it_out/rungs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "allocations.hpp"
+#include "integrators/rk4.hpp"
+#include "leave_it_out/dense_form.hpp"
+#include "measure/clock.hpp"
+#include "peers/mechanism.hpp"
+
+namespace leave_it_out {
+namespace {
+
+using Vector = Eigen::VectorXd;
+constexpr double step = 1e-4;  // [s]
+
+/// Whatever has an acceleration(q, v, a), from a state on. `after` is called with the new state.
+template <class Form, class After>
+Rung make_rung(std::string name, std::shared_ptr<Form> form, const Vector& q0, const Vector& v0,
+               int rows, After after) {
+  struct State {
+    Vector q, v;
+    integrators::Rk4<Vector> rk4;
+  };
+  auto state = std::make_shared<State>(State{q0, v0, integrators::Rk4<Vector>(q0)});
+  return {std::move(name), static_cast<int>(q0.size()), rows, [=] {
+            state->rk4.step([&](double, const Vector& q, const Vector& v,
+                                Vector& a) { form->acceleration(q, v, a); },
+                            0.0, state->q, state->v, step);
+            after(*form, state->q, state->v);
+          }};
+}
+
+/// The rate at which each body starts to turn [rad/s]: in a chain at rest the motion dies out along
+/// it, down to numbers so small that a processor slows down on them.
+double turn(Eigen::Index i) { return std::sin(static_cast<double>(i) + 1.0); }
+
+struct Blocks {
+  program::Mechanism mechanism;
+  void acceleration(const Vector& q, const Vector& v, Vector& a) {
+    mechanism.acceleration(0.0, q, v, a);
+  }
+};
+
+enum class Projected { no, yes };
+
+Rung blocks(std::string name, program::Mechanism mechanism, Projected projected = Projected::no) {
+  auto form = std::make_shared<Blocks>(Blocks{std::move(mechanism)});
+  Vector q = form->mechanism.initial_position(), v = form->mechanism.initial_velocity();
+  for (Eigen::Index i = 0; 3 * i < q.size(); ++i) v[3 * i + 2] = turn(i);
+  form->mechanism.project(q, v);
+  const int rows = form->mechanism.system.rows();
+  return make_rung(std::move(name), form, q, v, rows, [=](Blocks& f, Vector& q_now, Vector& v_now) {
+    if (projected == Projected::yes) f.mechanism.project(q_now, v_now);
+  });
+}
+
+Rung dense(std::string name, const peers::Model& model, const Kept& kept) {
+  auto form = std::make_shared<DenseForm>(model, kept);
+  // Starts as the blocks do.
+  program::Mechanism mechanism = peers::make_mechanism(model);
+  Vector q = mechanism.initial_position(), v = mechanism.initial_velocity();
+  for (Eigen::Index i = 0; 3 * i < q.size(); ++i) v[3 * i + 2] = turn(i);
+  mechanism.project(q, v);
+  Vector q0 = form->initial_q(), v0 = Vector::Zero(q0.size());
+  q0.tail(q.size()) = q;
+  v0.tail(v.size()) = v;
+  return make_rung(std::move(name), form, q0, v0, static_cast<int>(form->J().rows()),
+                   [](DenseForm&, Vector&, Vector&) {});
+}
+
+}  // namespace
+
+std::vector<Rung> slider_crank_ladder() {
+  const peers::Model model = peers::slider_crank();
+  return {dense("full matrices, as the article has them", model, everything),
+          dense("the ground left out", model, {false, true, true, true}),
+          dense("no feedback of gain 0", model, {false, false, true, true}),
+          dense("Jdot v in place of Jdot", model, {false, false, false, true}),
+          dense("nothing allocated, W as its diagonal", model, least),
+          blocks("only the blocks that are not zero", peers::make_mechanism(model)),
+          blocks("the same with projection", peers::make_mechanism(model), Projected::yes)};
+}
+
+Rung dense_chain(int links) { return dense("full matrices", peers::chain(links), least); }
+Rung block_chain(int links) { return blocks("blocks", peers::make_mechanism(peers::chain(links))); }
+
+std::vector<Cost> measure_costs(const std::vector<Rung>& rungs) {
+  std::vector<Cost> costs;
+  std::vector<int> steps;  // in a sample of half a millisecond or more
+  for (const Rung& rung : rungs) {
+    rung.step();  // the first fixes the storage
+    const long before = allocations();
+    const double start = measure::cpu_seconds();
+    rung.step();
+    const double seconds = measure::cpu_seconds() - start;
+    costs.push_back({std::numeric_limits<double>::infinity(), allocations() - before});
+    steps.push_back(std::max(1, static_cast<int>(5e-4 / seconds)));
+  }
+  for (int sample = 0; sample < 40; ++sample)
+    for (std::size_t i = 0; i < rungs.size(); ++i) {
+      if (sample > 4 && costs[i].seconds > 0.05) continue;
+      const double start = measure::cpu_seconds();
+      for (int n = 0; n < steps[i]; ++n) rungs[i].step();
+      costs[i].seconds = std::min(costs[i].seconds, (measure::cpu_seconds() - start) / steps[i]);
+    }
+  return costs;
+}
+
+}  // namespace leave_it_out

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace leave_it_out {
+
+/// A way to take one RK4 step of a scene, and its size.
+struct Rung {
+  std::string name;
+  int coordinates, rows;
+  std::function<void()> step;
+};
+
+/// The slider-crank, each rung without something that the one before still had. The last is the
+/// same as the one before it, with projection.
+std::vector<Rung> slider_crank_ladder();
+
+/// A chain of so many links in full matrices, with as little as they allow, and in blocks.
+Rung dense_chain(int links);
+Rung block_chain(int links);
+
+/// What a step costs: processor time [s], the least of many samples, taken in turns so that all
+/// see the same machine, and how often it asks for memory.
+struct Cost {
+  double seconds;
+  long allocations;
+};
+std::vector<Cost> measure_costs(const std::vector<Rung>& rungs);
+
+}  // namespace leave_it_out
