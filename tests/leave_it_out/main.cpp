@@ -75,13 +75,13 @@ int main(int argc, char** argv) try {
   CLI::App app("What leaving out brings: one RK4 step, rung by rung", "leave_it_out");
   app.add_option("--out", out, "folder for ladder.txt and chain.txt (default: none written)");
   CLI11_PARSE(app, argc, argv);
+  if (!out.empty()) program::make_folder(out);  // before the work, not after it
   const std::string ladder = ladder_table();
   fmt::print("{}\n", ladder);
   std::fflush(stdout);
   const std::string chain = chain_table();
   fmt::print("{}", chain);
   if (!out.empty()) {
-    std::filesystem::create_directories(out);
     save(out / "ladder.txt", ladder);
     save(out / "chain.txt", chain);
   }
