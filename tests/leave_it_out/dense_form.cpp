@@ -60,7 +60,6 @@ DenseForm::DenseForm(const peers::Model& model, const Kept& kept)
   C_ = Jdot_v_ = lambda_ = Vector::Zero(s);
   if (kept.Jdot) Jdot_ = J_;
   if (kept.new_memory) full_W_ = W_.asDiagonal();
-  ldlt_ = Eigen::LDLT<Matrix>(s);
 }
 
 void DenseForm::load(const Vector& q, const Vector& v) {
