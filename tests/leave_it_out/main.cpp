@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <string>
 
+#include "05_revolute/cost.hpp"
 #include "leave_it_out/rungs.hpp"
 #include "measure/ladder.hpp"
 #include "program/files.hpp"
@@ -47,15 +48,13 @@ std::string chain_table() {
   double first = 0, thousand = 0, last = 0;
   for (const int links : {1, 3, 10, 30, 100, 300, 1000, 3000, 10000}) {
     const bool dense = links <= longest_dense;
-    std::vector<Rung> rungs{block_chain(links)};
-    if (dense) rungs.push_back(dense_chain(links));
-    const std::vector<Cost> costs = measure_costs(rungs);
-    last = costs[0].seconds;
+    last = revolute::seconds_per_step(links);
     if (links == first_of_growth) first = last;
     if (links == 1000) thousand = last;
-    text += fmt::format("{:>8}{:>20}{:>14.4g}{:>14.3g}\n", links,
-                        dense ? fmt::format("{:.4g}", 1e6 * costs[1].seconds) : "–", 1e6 * last,
-                        1e6 * last / links);
+    text += fmt::format(
+        "{:>8}{:>20}{:>14.4g}{:>14.3g}\n", links,
+        dense ? fmt::format("{:.4g}", 1e6 * measure_costs({dense_chain(links)})[0].seconds) : "–",
+        1e6 * last, 1e6 * last / links);
   }
   return text + fmt::format(
                     "from 10 links to 1000 the step in blocks grows as N^{:.2f}, to 10000 as "

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "allocations.hpp"
 #include "integrators/rk4.hpp"
@@ -34,9 +35,14 @@ Rung make_rung(std::string name, std::shared_ptr<Form> form, const Vector& q0, c
           }};
 }
 
-/// The rate at which each body starts to turn [rad/s]: in a chain at rest the motion dies out along
-/// it, down to numbers so small that a processor slows down on them.
-double turn(Eigen::Index i) { return std::sin(static_cast<double>(i) + 1.0); }
+/// A state in which every body turns: in a chain at rest the motion dies out along it, down to
+/// numbers so small that a processor slows down on them.
+std::pair<Vector, Vector> start(program::Mechanism& mechanism) {
+  Vector q = mechanism.initial_position(), v = mechanism.initial_velocity();
+  for (Eigen::Index i = 0; 3 * i < q.size(); ++i) v[3 * i + 2] = std::sin(double(i) + 1.0);
+  mechanism.project(q, v);
+  return {q, v};
+}
 
 struct Blocks {
   program::Mechanism mechanism;
@@ -49,9 +55,7 @@ enum class Projected { no, yes };
 
 Rung blocks(std::string name, program::Mechanism mechanism, Projected projected = Projected::no) {
   auto form = std::make_shared<Blocks>(Blocks{std::move(mechanism)});
-  Vector q = form->mechanism.initial_position(), v = form->mechanism.initial_velocity();
-  for (Eigen::Index i = 0; 3 * i < q.size(); ++i) v[3 * i + 2] = turn(i);
-  form->mechanism.project(q, v);
+  const auto [q, v] = start(form->mechanism);
   const int rows = form->mechanism.system.rows();
   return make_rung(std::move(name), form, q, v, rows, [=](Blocks& f, Vector& q_now, Vector& v_now) {
     if (projected == Projected::yes) f.mechanism.project(q_now, v_now);
@@ -60,11 +64,8 @@ Rung blocks(std::string name, program::Mechanism mechanism, Projected projected 
 
 Rung dense(std::string name, const peers::Model& model, const Kept& kept) {
   auto form = std::make_shared<DenseForm>(model, kept);
-  // Starts as the blocks do.
   program::Mechanism mechanism = peers::make_mechanism(model);
-  Vector q = mechanism.initial_position(), v = mechanism.initial_velocity();
-  for (Eigen::Index i = 0; 3 * i < q.size(); ++i) v[3 * i + 2] = turn(i);
-  mechanism.project(q, v);
+  const auto [q, v] = start(mechanism);  // as the blocks do
   Vector q0 = form->initial_q(), v0 = Vector::Zero(q0.size());
   q0.tail(q.size()) = q;
   v0.tail(v.size()) = v;
@@ -86,7 +87,6 @@ std::vector<Rung> slider_crank_ladder() {
 }
 
 Rung dense_chain(int links) { return dense("full matrices", peers::chain(links), least); }
-Rung block_chain(int links) { return blocks("blocks", peers::make_mechanism(peers::chain(links))); }
 
 std::vector<Cost> measure_costs(const std::vector<Rung>& rungs) {
   std::vector<Cost> costs;
