@@ -795,9 +795,8 @@ TEST_CASE("assembly: left alone, projected, or refused") {
       CHECK(report.projected);
       CHECK(report.moved == (q - start).lpNorm<Eigen::Infinity>());
       CHECK((report.moved > 0.1 * size && report.moved < 10 * size));
-      CHECK((report.C_before > 1e-2 * size && report.C_after < 1e-15));
-      CHECK(report.C_after == s.constraint_error(q));
-      CHECK((report.Jv_before > 1e-2 && report.Jv_after < 1e-14));
+      CHECK((report.C_before > 1e-2 * size && s.constraint_error(q) < 1e-15));
+      CHECK((report.Jv_before > 1e-2 && s.velocity_error(q, v) < 1e-14));
     }
   }
   SECTION("from far away") {

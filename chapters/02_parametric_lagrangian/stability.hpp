@@ -63,11 +63,7 @@ inline program::Stability stability() {
         h);
   };
   const auto scene_in = [=](const program::Units& units) {
-    const auto& [L, T, m] = units;
-    const Scene here{.force_x = 2.0};
-    const Scene there{here.x0 * L, here.mass * m, here.gravity * L / (T * T), here.p * L,
-                      here.force_x * m * L / (T * T)};
-    return of(there);
+    return of(Scene{.force_x = 2.0}.scaled(units.length, units.time, units.mass));
   };
 
   program::Stability stability;

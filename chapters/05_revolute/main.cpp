@@ -18,18 +18,20 @@
 
 namespace {
 
-/// The cost of a step against the number of links: a table, cost_vs_links.csv and its plot.
+/// The cost of a step against the number of links: a table, the same as CSV, and its plot.
 void report_cost(const std::filesystem::path& out) {
   const revolute::CostTable costs = revolute::measure_costs();
   fmt::print("\n{}", revolute::table(costs));
-  program::write_file(out / "cost_vs_links.csv", revolute::csv(costs));
-  fmt::print("{}\n", (out / "cost_vs_links.csv").string());
+  const auto write = [&](const std::string& name, const std::string& content) {
+    program::write_file(out / name, content);
+    fmt::print("{}\n", (out / name).string());
+  };
+  write("cost_vs_links.txt", revolute::table(costs));
+  write("cost_vs_links.csv", revolute::csv(costs));
 #ifdef TUTORIAL_PICTURES
   const program::Picture picture =
       revolute::cost_picture(revolute::read_costs(out / "cost_vs_links.csv"));
-  program::write_file(out / (picture.name + ".png"),
-                      draw::encode_png(draw::render({}, picture.draw)));
-  fmt::print("{}\n", (out / (picture.name + ".png")).string());
+  write(picture.name + ".png", draw::encode_png(draw::render({}, picture.draw)));
 #endif
 }
 

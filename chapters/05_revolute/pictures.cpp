@@ -340,21 +340,30 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
 }
 
 Picture cost_picture(const CostTable& costs) {
-  draw::Curve curve{.label = "one RK4 step", .markers = true};
-  for (const Cost& cost : costs.rows)
-    curve.points.push_back({static_cast<double>(cost.links), 1e6 * cost.seconds});
-  const draw::Point end = curve.points.back();
+  draw::Curve blocks{.label = "in blocks", .markers = true};
+  draw::Curve full{.label = "in full matrices", .markers = true};
+  for (const Cost& cost : costs.rows) {
+    const auto links = static_cast<double>(cost.links);
+    blocks.points.push_back({links, 1e6 * cost.blocks});
+    if (!std::isnan(cost.full)) full.points.push_back({links, 1e6 * cost.full});
+  }
+  const draw::Point end = blocks.points.back();
   const draw::Curve linear{.label = "∝ N",
                            .points = {{1.0, 0.5 * end.y / end.x}, {end.x, 0.5 * end.y}},
                            .dash = draw::Dash::dashed,
                            .thickness = 1.2};
   draw::Plot plot;
   plot.x = {.label = "links N", .log = true};
-  plot.y = {.label = "processor time of a step [µs]", .log = true};
-  plot.curves = {curve, linear};
-  const std::string caption = fmt::format(
-      "A step of 1000 links costs {} µs. From 10 links on the cost grows as N to the power {:.2f}.",
-      program::figure(end.y), growth(costs, 10));
+  plot.y = {.label = "processor time of an RK4 step [µs]", .log = true};
+  plot.curves = {blocks, full, linear};
+  std::string caption = fmt::format(
+      "In blocks a step of {:.0f} links costs {} µs, and from 10 to 1000 it grows as "
+      "N to the power {:.2f}",
+      end.x, program::figure(end.y), growth(costs, 10, 1000, &Cost::blocks));
+  caption += full.points.empty()
+                 ? "."
+                 : fmt::format("; in full matrices {:.0f} links cost {} µs.", full.points.back().x,
+                               program::figure(full.points.back().y));
   return {"cost_vs_links", [=](draw::Pen& pen) {
             draw::draw_plot(pen, draw::page(pen, "What a longer chain costs", caption), plot);
           }};

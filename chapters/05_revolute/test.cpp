@@ -386,17 +386,41 @@ TEST_CASE("long chains have no exact answer") {
   for (const double error : revolute::errors({.links = 10}, ten.row())) CHECK(error < 1e-12);
 }
 
+TEST_CASE("full matrices have the same equation: the solver's, to rounding") {
+  for (const int links : {1, 2, 7}) {
+    const Scene scene{.links = double(links), .length = 2.0, .mass = 3.0, .angle0 = 0.4};
+    program::Mechanism chain = revolute::make_mechanism(scene);
+    revolute::FullMatrices full(scene);
+    VectorXd q = chain.initial_position(), v = chain.initial_velocity(), a = v, b = v;
+    for (int i = 0; i < links; ++i) {
+      q[3 * i + 2] += 0.3 * i;
+      v[3 * i + 2] = std::sin(i + 1.0);
+    }
+    chain.project(q, v);
+    chain.acceleration(0.0, q, v, a);
+    full.acceleration(q, v, b);
+    CHECK((a - b).norm() < 1e-12 * a.norm());
+  }
+}
+
 TEST_CASE("the table of costs reads back, and its exponent is that of a power law") {
+  using revolute::Cost;
   revolute::CostTable costs{{"processor: any"}, {}};
-  for (const int N : {1, 10, 100, 1000}) costs.rows.push_back({N, 1e-6 * std::pow(N, 1.5)});
-  CHECK(revolute::growth(costs, 10) == Approx(1.5));
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  for (const int N : {1, 10, 100, 1000})
+    costs.rows.push_back({N, 1e-6 * std::pow(N, 1.5), N < 500 ? 1e-6 * std::pow(N, 3) : none});
+  CHECK(revolute::growth(costs, 10, 1000, &Cost::blocks) == Approx(1.5));
+  CHECK(revolute::growth(costs, 1, 100, &Cost::full) == Approx(3.0));
+  CHECK(std::isnan(revolute::growth(costs, 1, 50, &Cost::blocks)));
   const auto path = std::filesystem::temp_directory_path() / "cost_vs_links_test.csv";
   std::ofstream(path) << revolute::csv(costs);
   const auto read = revolute::read_costs(path);
   CHECK(read.machine == costs.machine);
   REQUIRE(read.rows.size() == 4);
   CHECK(read.rows[2].links == 100);
-  CHECK(read.rows[2].seconds == Approx(1e-3));
+  CHECK(read.rows[2].blocks == Approx(1e-3));
+  CHECK(read.rows[2].full == Approx(1.0));
+  CHECK(std::isnan(read.rows[3].full));
   std::filesystem::remove(path);
   CHECK_THROWS_AS(revolute::read_costs(path), std::runtime_error);
 }

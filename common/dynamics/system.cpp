@@ -395,13 +395,11 @@ Assembly System::assemble(VectorXd& q, VectorXd& v) {
                         std::to_string(open.row.row) + " (" + open.unit + ") stays open by " + by);
   }
   report.moved = largest(best - q);
-  report.C_after = largest(C_);
   q = best;
   factor_here();  // at q; velocity_error leaves the factor alone
   find_metric();
   report.Jv_before = largest(Jv_);
   project_velocities(v);
-  report.Jv_after = velocity_error(q, v);
   return report;
 }
 

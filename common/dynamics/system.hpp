@@ -170,11 +170,11 @@ struct Projection {
   int steps;
 };
 
-/// What assemble() found. C is the largest |C|, moved the largest change of a coordinate (m, rad).
+/// What assemble() found: the largest change of a coordinate (m, rad), and the largest |C| and |J v|
+/// before it.
 struct Assembly {
   bool projected;  ///< false: q was on the constraints already, to rounding, and is left as it was
-  double moved, C_before, C_after;
-  double Jv_before, Jv_after;  ///< the largest |J v|
+  double moved, C_before, Jv_before;
 };
 
 /// The joints cannot be closed. what() is one line that names the worst joint and row.

@@ -13,6 +13,11 @@ struct Scene {
   double p = 50.0;  ///< half the parameter of the curve [m]; its radius of curvature at the bottom
   double force_x = 0.0;  ///< constant horizontal force [N]
 
+  /// The same scene in units L, T and m times smaller.
+  Scene scaled(double L, double T, double m) const {
+    return {x0 * L, mass * m, gravity * L / (T * T), p * L, force_x * m * L / (T * T)};
+  }
+
   double height(double x) const { return -x * x / (2.0 * p); }
 
   /// The applied force: weight and horizontal force [N].

@@ -86,8 +86,6 @@ std::vector<Rung> slider_crank_ladder() {
           blocks("the same with projection", peers::make_mechanism(model), Projected::yes)};
 }
 
-Rung dense_chain(int links) { return dense("full matrices", peers::chain(links), least); }
-
 std::vector<Cost> measure_costs(const std::vector<Rung>& rungs) {
   std::vector<Cost> costs;
   std::vector<int> steps;  // in a sample of half a millisecond or more

@@ -17,10 +17,6 @@ struct Rung {
 /// same as the one before it, with projection.
 std::vector<Rung> slider_crank_ladder();
 
-/// A chain of so many links in full matrices, with as little as they allow. In blocks chapter 5
-/// measures it.
-Rung dense_chain(int links);
-
 /// What a step costs: processor time [s], the least of many samples, taken in turns so that all
 /// see the same machine, and how often it asks for memory.
 struct Cost {
