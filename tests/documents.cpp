@@ -1,6 +1,6 @@
 // Keeps what the documents show in step with what the sources say and the programs print.
 //
-//   documents [--check] SOURCE BIN
+//   documents [--check | --commands] SOURCE BIN
 //
 // A comment in a document names where the fenced block after it comes from:
 //
@@ -12,16 +12,21 @@
 //   <!-- long_run: CSV -->        the energy errors of saved long runs
 //
 // Without --check the blocks are written anew. With it nothing is written: each block that differs
-// and each link to a file that is not there is named, and the exit status is 1.
+// and each link without a target is named, and the exit status is 1. With --commands the commands
+// that the documents show in indented lines, and those of build/bin in the text, are run instead.
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <array>
+#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -108,19 +113,46 @@ std::vector<std::string> block(const fs::path& source, const std::string& kind,
   return output(argument);
 }
 
-/// Links of the form [text](target) to files; the rest of the world is not looked at.
+/// The name that GitHub gives a heading: small letters, hyphens for blanks, no other punctuation.
+std::string anchor(std::string heading) {
+  heading.erase(0, heading.find_first_not_of("# "));
+  std::string name;
+  for (const char c : heading)
+    if (std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' || (c & 0x80))
+      name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    else if (c == ' ')
+      name += '-';
+  return name;
+}
+
+bool has_heading(const fs::path& file, const std::string& name) {
+  bool code = false;
+  for (const std::string& line : lines_of(file)) {
+    if (line.starts_with("```")) code = !code;
+    if (!code && line.starts_with("#") && anchor(line) == name) return true;
+  }
+  return false;
+}
+
+/// Links of the form [text](target), to files and headings, and the pictures of src="file"; the
+/// rest of the world is not looked at.
 void check_links(const fs::path& file, const std::vector<std::string>& lines,
                  std::vector<std::string>& complaints) {
-  static const std::regex link(R"(\]\(([^)#\s]+)[^)]*\))");
+  static const std::regex link(R"re((?:\]\(|src=")([^)#"\s]*)(?:#([^)"\s]*))?[)"])re");
   bool code = false;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (lines[i].starts_with("```")) code = !code;
     if (code) continue;
     for (std::sregex_iterator match(lines[i].begin(), lines[i].end(), link), end; match != end;
          ++match) {
-      const std::string target = (*match)[1];
-      if (target.find("://") == std::string::npos && !fs::exists(file.parent_path() / target))
+      const std::string target = (*match)[1], heading = (*match)[2];
+      if (target.find("://") != std::string::npos) continue;
+      const fs::path path = target.empty() ? file : file.parent_path() / target;
+      if (!fs::exists(path))
         complaints.push_back(fmt::format("{}:{}: no file {}", file.string(), i + 1, target));
+      else if (!heading.empty() && !has_heading(path, heading))
+        complaints.push_back(
+            fmt::format("{}:{}: no heading #{} in {}", file.string(), i + 1, heading, target));
     }
   }
 }
@@ -167,17 +199,97 @@ std::vector<fs::path> documents(const fs::path& source) {
   return files;
 }
 
+// -------------------------------------------------------------------------------------------------
+// --commands
+
+/// The commands of a document: indented lines, and what the text quotes of build/bin.
+std::vector<std::string> commands(const fs::path& file) {
+  static const std::regex quoted("`(build/bin/[^` ]+ [^`]*)`");
+  std::vector<std::string> found;
+  bool code = false;
+  std::string before;
+  for (const std::string& line : lines_of(file)) {
+    if (line.starts_with("```")) code = !code;
+    const bool indented = line.starts_with("    ") && line.find_first_not_of(' ') == 4;
+    if (!code && indented && (before.empty() || before.starts_with("    ")))
+      found.push_back(line.substr(4));
+    if (!code)
+      for (std::sregex_iterator match(line.begin(), line.end(), quoted), end; match != end; ++match)
+        found.push_back((*match)[1]);
+    before = line;
+  }
+  return found;
+}
+
+/// Whether a `./tutorial` command is one that its help knows, with its options. It is not run: it
+/// would build, and test, inside its own test.
+bool known_to_tutorial(const std::string& command) {
+  std::string help;
+  for (const std::string& line : output("./tutorial help")) help += line + "\n";
+  std::istringstream words(command.substr(0, command.find('#')));
+  std::string word;
+  words >> word >> word;
+  bool known = help.find("\n  " + word + " ") != std::string::npos;
+  while (words >> word)
+    if (word.starts_with("--")) known &= help.find(word) != std::string::npos;
+  return known;
+}
+
+/// Runs a command in a folder of its own, in which build/bin are the programs, for some seconds:
+/// one that is still at work then is taken to run. What a program refuses is a fault; that a
+/// simulation stops, with its reason, is what some documents show.
+bool runs(const std::string& command, const fs::path& folder) {
+  const std::string quiet =
+      fmt::format("cd '{}' && {{ {}\n}} >output.txt 2>errors.txt", folder.string(), command);
+  const int status = std::system(quiet.c_str());
+  if (status == 0) return true;
+  const std::vector<std::string> errors = lines_of(folder / "errors.txt");
+  return !errors.empty() && errors.back().find(": stopped at t = ") != std::string::npos;
+}
+
+/// Returns the number of faults.
+int check_commands(const fs::path& source, const fs::path& bin) {
+  const fs::path folder = fs::temp_directory_path() / fmt::format("documents_{}", getpid());
+  fs::create_directories(folder / "build");
+  fs::create_directory_symlink(bin, folder / "build" / "bin");
+  std::set<std::string> done;
+  int faults = 0;
+  for (const fs::path& file : documents(source))
+    for (const std::string& command : commands(file)) {
+      if (!done.insert(command).second) continue;
+      bool fine = true;
+      if (command.starts_with("./tutorial")) {
+        fine = known_to_tutorial(command);
+      } else if (command.starts_with("ctest ")) {  // at least one test has such a name
+        const std::string place = "--test-dir build";
+        std::string listed = command + " -N | grep -q 'Total Tests: [1-9]'";
+        listed.replace(listed.find(place), place.size(),
+                       "--test-dir " + bin.parent_path().string());
+        fine = runs(listed, folder);
+      } else if (!command.starts_with("cmake ")) {  // it would build inside its own test
+        fine = runs(command, folder);
+      }
+      if (!fine) fmt::print("{}: does not run: {}\n", file.string(), command);
+      faults += !fine;
+    }
+  fmt::print("{} commands, {} faults\n", done.size(), faults);
+  fs::remove_all(folder);
+  return faults;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
-  const bool check = argc == 4 && std::string(argv[1]) == "--check";
-  if (argc != (check ? 4 : 3)) {
-    fmt::print(stderr, "usage: documents [--check] SOURCE BIN\n");
+  const std::string mode = argc == 4 ? argv[1] : "";
+  const bool check = mode == "--check";
+  if (argc != 3 && !check && mode != "--commands") {
+    fmt::print(stderr, "usage: documents [--check | --commands] SOURCE BIN\n");
     return 2;
   }
   const fs::path source = ".", bin = fs::absolute(argv[argc - 1]);
   fs::current_path(argv[argc - 2]);  // commands and names are relative to it
   setenv("PATH", (bin.string() + ":" + std::getenv("PATH")).c_str(), 1);
+  if (mode == "--commands") return check_commands(source, bin) == 0 ? 0 : 1;
   bool differs = false;
   for (const fs::path& file : documents(source)) {
     std::vector<std::string> complaints;

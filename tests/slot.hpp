@@ -24,13 +24,13 @@ struct Slot {
     using Row = Eigen::Vector<double, 1>;
     const auto p1 = point(first, u1), p2 = point(second, u2);
     const Vector2d n = first.A * n_hat, Sn = S(n);
-    const Vector2d d = p2.r - p1.r, ddot = p2.rdot - p1.rdot;
+    const Vector2d d = p2.r - p1.r, d_dot = p2.rdot - p1.rdot;
     const double w1 = first.omega;
     dynamics::Rows<1, dynamics::Body, dynamics::Body> rows;
     rows.C = Row(n.dot(d));
     rows.J1 << -n.transpose(), Sn.dot(p2.r - first.x);
     rows.J2 << n.transpose(), n.dot(p2.J.col(2));
-    rows.Jdot_v = Row(n.dot(p2.Jdot_v - p1.Jdot_v) + 2 * w1 * Sn.dot(ddot) - w1 * w1 * n.dot(d));
+    rows.Jdot_v = Row(n.dot(p2.Jdot_v - p1.Jdot_v) + 2 * w1 * Sn.dot(d_dot) - w1 * w1 * n.dot(d));
     rows.size = Row(p1.size + p2.size);
     return rows;
   }

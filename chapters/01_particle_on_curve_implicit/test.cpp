@@ -9,6 +9,7 @@
 #include "catch.hpp"
 #include "erratum.hpp"
 #include "exact.hpp"
+#include "integrators/amplification.hpp"
 #include "measure/ladder.hpp"
 #include "parabola/implicit_bead.hpp"
 #include "turned_off.hpp"
@@ -343,6 +344,22 @@ TEST_CASE("solution 2: at the bottom the curve carries m g (1 + x0²/p²)") {
     CHECK(force.x() == 0.0);
     CHECK(-force.y() == Approx(3.0 * 9.81 * (1 + x0 * x0 / 2500.0)));
   }
+}
+
+TEST_CASE("solution 3: within RK4's bound feedback can still throw off a bead that moves fast") {
+  const double ks = 1e5, kd = 2 * std::sqrt(ks);
+  const double bound = integrators::largest_stable_step(integrators::Name::rk4, ks, kd);
+  CHECK(bound * std::sqrt(ks) == Approx(2.785).epsilon(1e-3));
+  const auto miss = [&](double h) {  // at the first step at or after 4 s [m]
+    Motion<ImplicitBead> bead =
+        motion({}, {integrators::Name::rk4, Stabilization::feedback, ks, kd});
+    bead.advance(std::lround(std::ceil(4.0 / h)), h);
+    const double q = ExactMotion({}).at(bead.time()).q;
+    return (bead.q() - Vector2d(q, Scene{}.height(q))).norm();
+  };
+  REQUIRE(0.0087 < bound);
+  CHECK(miss(0.0087) > 10.0);
+  CHECK(miss(0.005) < 1e-3);
 }
 
 TEST_CASE("a step allocates nothing") {

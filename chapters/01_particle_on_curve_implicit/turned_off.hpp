@@ -10,10 +10,12 @@ class WithoutJdotV : public parabola::ImplicitBead {
  public:
   explicit WithoutJdotV(const parabola::Scene& scene) : ImplicitBead(scene), scene_(scene) {}
 
+  // [without]
   void acceleration(double, const Vector& x, const Vector&, Vector& a) const {
     const Vector F = scene_.applied_force();
     a = (F + constraint_force(x, Vector::Zero(), F)) / scene_.mass;
   }
+  // [without]
 
  private:
   parabola::Scene scene_;

@@ -158,6 +158,27 @@ TEST_CASE("solution 2: the generalised momentum changes by the generalised force
         Approx(q * qdot * qdot / 2500.0 - 9.81 * q / 50.0).epsilon(1e-5));
 }
 
+TEST_CASE("solution 3: the length along the wire has a constant inertia, and no formula for q") {
+  // m ℓ̈ = −m g dH/dℓ with H = q²/2p; q(ℓ) is found by Newton's method at each evaluation.
+  const double p = 50.0, g = 9.81;
+  const auto length = [&](double q) {
+    return 0.5 * (q * std::sqrt(1 + q * q / (p * p)) + p * std::asinh(q / p));
+  };
+  const auto q_at = [&](double l) {
+    double q = l;
+    for (int i = 0; i < 50; ++i) q -= (length(q) - l) / std::sqrt(1 + q * q / (p * p));
+    return q;
+  };
+  double l = length(100.0), rate = 0.0;
+  integrators::Integrator<double> rk4(integrators::Name::rk4, l);
+  const auto acceleration = [&](double, double place, double, double& a) {
+    const double slope = q_at(place) / p;
+    a = -g * slope / std::sqrt(1 + slope * slope);
+  };
+  for (int i = 0; i < 1000; ++i) rk4.step(acceleration, 0.0, l, rate, 0.01);
+  CHECK(q_at(l) == Approx(parabola::ExactMotion({}).at(10.0).q).epsilon(1e-7));
+}
+
 TEST_CASE("a step allocates nothing") {
   Motion<ParametricBead> bead = motion({});
   const long before = allocations();

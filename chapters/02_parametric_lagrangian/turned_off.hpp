@@ -11,9 +11,11 @@ class WithoutVelocityTerm : public ParametricBead {
  public:
   using ParametricBead::ParametricBead;
 
+  // [without]
   void acceleration(double t, double q, double, double& qddot) const {
     ParametricBead::acceleration(t, q, 0.0, qddot);
   }
+  // [without]
 };
 
 }  // namespace parametric_lagrangian

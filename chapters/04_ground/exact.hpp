@@ -18,15 +18,16 @@ struct Decay {
 /// Under-, critically and over-damped by the sign of kd²/4 − ks. Written so that nothing cancels
 /// close to the critical case, and nothing overflows far into an overdamped one.
 inline Decay decay(double ks, double kd, double t) {
-  const double a = 0.5 * kd, d = a * a - ks;
+  const double gamma = 0.5 * kd, d = gamma * gamma - ks;
   if (d <= 0.0) {
-    const double w = std::sqrt(-d), s = w * t < 1e-8 ? t : std::sin(w * t) / w, c = std::cos(w * t);
-    const double f = std::exp(-a * t);
-    return {f * (c + a * s), -f * ks * s};
+    const double Omega = std::sqrt(-d);
+    const double s = Omega * t < 1e-8 ? t : std::sin(Omega * t) / Omega, c = std::cos(Omega * t);
+    const double f = std::exp(-gamma * t);
+    return {f * (c + gamma * s), -f * ks * s};
   }
-  const double w = std::sqrt(d), slow = ks / (a + w);
-  const double f = std::exp(-slow * t), s = -std::expm1(-2.0 * w * t) / (2.0 * w);
-  return {f * (1.0 + slow * s), -ks * f * s};
+  const double w = std::sqrt(d), rho1 = ks / (gamma + w);  // the slow rate; the fast one is γ + w
+  const double f = std::exp(-rho1 * t), s = -std::expm1(-2.0 * w * t) / (2.0 * w);
+  return {f * (1.0 + rho1 * s), -ks * f * s};
 }
 
 /// The exact place of the plate and the exact reaction of the ground (force and moment).

@@ -191,6 +191,37 @@ Picture decay_picture(const std::string& name, const std::string& title,
           }};
 }
 
+/// The same gains on the two sides of RK4's limit.
+Picture step_picture() {
+  constexpr double ks = 9e4, kd = 600.0, coarse = 0.01, fine = 0.009, duration = 1.0;
+  draw::Plot plot;
+  plot.x.label = "time [s]";
+  plot.y = {.label = "|x| of the plate [m]", .log = true};
+  for (const double step : {coarse, fine}) {
+    Motion plate =
+        motion({.offset_x = 0.1}, {integrators::Name::rk4, Stabilization::feedback, ks, kd});
+    draw::Curve curve{.label =
+                          fmt::format("step {:g} s: h√ks = {:.1f}", step, step * std::sqrt(ks))};
+    for (double off = 0.0; plate.time() <= duration && off < 1e3;) {
+      off = std::abs(plate.q()[0]);
+      curve.points.push_back({plate.time(), off});
+      plate.advance(1, step);
+    }
+    plot.curves.push_back(curve);
+  }
+  const auto factor = [](double step) {
+    return integrators::amplification(integrators::Name::rk4, step, ks, kd);
+  };
+  const std::string caption = fmt::format(
+      "RK4 with ks = {:g} 1/s² and kd = {:g} 1/s multiplies the error by {:.3g} a step beyond its "
+      "limit of 2.785, and by {:.3g} within it.",
+      ks, kd, factor(coarse), factor(fine));
+  return {"too_large_a_step", [=](draw::Pen& pen) {
+            draw::draw_plot(
+                pen, draw::page(pen, "A step beyond the limit, and one within it", caption), plot);
+          }};
+}
+
 }  // namespace
 
 std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
@@ -205,7 +236,8 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
                         run.step,
                         {{25.0, 10.0, "ks = 25 1/s², kd = 10 1/s"},
                          {25.0, 0.0, "ks = 25 1/s², kd = 0"},
-                         {0.0, 0.0, "no feedback"}})};
+                         {0.0, 0.0, "no feedback"}}),
+          step_picture()};
 }
 
 Picture picture_at(const Scene& scene, const RunOptions& run, double t) {

@@ -187,6 +187,19 @@ TEST_CASE("solution 2: the load of a turned plate has a shorter arm") {
   CHECK(row.reactions[2] == Approx(-0.3 * std::cos(1.0) * 5.0 * std::sin(1.0)).epsilon(1e-12));
 }
 
+TEST_CASE("solution 3: at 0.01 s semi-implicit Euler takes gains up to 6863 1/s²") {
+  const auto left = [](double ks) {  // of an error of 1 m, after 20 s
+    Motion plate = motion({.load = 0.0, .offset_x = 1.0},
+                          feedback(integrators::Name::semi_implicit_euler, ks, 2 * std::sqrt(ks)));
+    plate.advance(2000, 0.01);
+    return std::abs(plate.q()[0]);
+  };
+  const double limit = std::pow((2 * std::sqrt(2.0) - 2) / 0.01, 2);
+  CHECK(limit == Approx(6863).margin(1));
+  CHECK(left(0.995 * limit) < 1e-3);
+  CHECK(left(1.005 * limit) > 1e3);
+}
+
 #ifdef TUTORIAL_PICTURES
 
 namespace {

@@ -29,7 +29,7 @@ struct Swing {
 };
 
 /// At time t [s], by Jacobi's elliptic functions. With φ = θ − π/2 from hanging straight down,
-/// φ̈ = −ω0² sin φ, and from rest sin(φ/2) = k cd(ω0 t), k = sin(φ(0)/2). In 50 digits: close to
+/// φ̈ = −Ω0² sin φ, and from rest sin(φ/2) = k cd(Ω0 t), k = sin(φ(0)/2). In 50 digits: close to
 /// upright k is so close to 1 that its 17th digit decides, and after thousands of periods t has
 /// lost digits too.
 inline Swing swing(const Scene& scene, double t) {
@@ -37,13 +37,13 @@ inline Swing swing(const Scene& scene, double t) {
   const Real pi = boost::math::constants::pi<Real>();
   const Real turns = round((Real(scene.angle0) - pi / 2) / (2 * pi));
   const Real phi0 = Real(scene.angle0) - pi / 2 - 2 * pi * turns;
-  const Real omega0 = sqrt(3 * Real(scene.gravity) / (2 * Real(scene.length)));
+  const Real Omega0 = sqrt(3 * Real(scene.gravity) / (2 * Real(scene.length)));
   const Real k = sin(abs(phi0) / 2);
-  const Real period = 4 * boost::math::ellint_1(k);  // of cd, in ω0 t
-  const Real u = fmod(omega0 * Real(t), period);
+  const Real period = 4 * boost::math::ellint_1(k);  // of cd, in Ω0 t
+  const Real u = fmod(Omega0 * Real(t), period);
   Real cn, dn;
   const Real sn = boost::math::jacobi_elliptic(k, u, &cn, &dn);
-  const Real phi = 2 * asin(k * cn / dn), phidot = -2 * k * cos(phi0 / 2) * omega0 * sn / dn;
+  const Real phi = 2 * asin(k * cn / dn), phidot = -2 * k * cos(phi0 / 2) * Omega0 * sn / dn;
   const Real sign = phi0 < 0 ? -1 : 1;
   return {static_cast<double>(sign * phi + pi / 2 + 2 * pi * turns),
           static_cast<double>(sign * phidot)};

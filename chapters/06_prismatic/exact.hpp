@@ -30,27 +30,27 @@ inline Exact exact_incline(const Scene& scene, double t) {
           0.0};
 }
 
-/// The spinning rail, by what it conserves. About the pin the inertia is I(r) = I0 + m r², with I0
+/// The spinning rail, by what it conserves. About the pin the inertia is I(r) = Is + m r², with Is
 /// of rail and block about their own centres. Angular momentum gives ω = ω0 I(r0)/I(r), energy then
-/// ṙ² = ω0² (r² − r0²) I(r0)/I(r). At the start ṙ = 0, and dt = dr/ṙ is infinite; r = r0 cosh u
+/// ṙ² = ω0² (r² − r0²) I(r0)/I(r). At the start ṙ = 0, and dt = dr/ṙ is infinite; r = r0 cosh η
 /// takes that away:
 ///
-///   dt = √(I(r)/I(r0)) du / ω0,    dθ = ω dt = √(I(r0)/I(r)) du.
+///   dt = √(I(r)/I(r0)) dη / ω0,    dθ = ω dt = √(I(r0)/I(r)) dη.
 class SpinMotion {
  public:
   explicit SpinMotion(const Scene& scene)
-      : scene_(scene), I0_(Real(scene.rail_inertia) + scene.inertia()) {}
+      : scene_(scene), Is_(Real(scene.rail_inertia) + scene.inertia()) {}
 
   Exact at(double t) const {
-    const Real omega0 = std::abs(scene_.spin), m = scene_.mass, u = u_at(omega0 * t);
-    const Real r = scene_.r0 * std::cosh(u), rate = omega0 / root(u);
-    const Real omega = rate / root(u);
-    const Real rdot = scene_.r0 * std::sinh(u) * rate;
-    const Real force = 2 * m * rdot * omega * I0_ / I(r);  // m (r ω̇ + 2 ṙ ω)
+    const Real omega0 = std::abs(scene_.spin), m = scene_.mass, eta = eta_at(omega0 * t);
+    const Real r = scene_.r0 * std::cosh(eta), rate = omega0 / root(eta);
+    const Real omega = rate / root(eta);
+    const Real rdot = scene_.r0 * std::sinh(eta) * rate;
+    const Real force = 2 * m * rdot * omega * Is_ / I(r);  // m (r ω̇ + 2 ṙ ω)
     const Real moment = -scene_.inertia() * 2 * m * r * rdot * omega / I(r);  // of ω̇
     const double sign = scene_.spin < 0 ? -1.0 : 1.0;
     const auto number = [](Real value) { return static_cast<double>(value); };
-    const double theta = sign * number(integral([this](Real s) { return 1 / root(s); }, u));
+    const double theta = sign * number(integral([this](Real s) { return 1 / root(s); }, eta));
     return {number(r) * along(theta),
             number(rdot) * along(theta) + sign * number(r * omega) * across(theta),
             theta,
@@ -62,31 +62,31 @@ class SpinMotion {
  private:
   using Real = long double;
 
-  Real I(Real r) const { return I0_ + Real(scene_.mass) * r * r; }
-  /// √(I(r)/I(r0)) at r = r0 cosh u.
-  Real root(Real u) const { return std::sqrt(I(scene_.r0 * std::cosh(u)) / I(scene_.r0)); }
+  Real I(Real r) const { return Is_ + Real(scene_.mass) * r * r; }
+  /// √(I(r)/I(r0)) at r = r0 cosh η.
+  Real root(Real eta) const { return std::sqrt(I(scene_.r0 * std::cosh(eta)) / I(scene_.r0)); }
 
   template <class Function>
-  static Real integral(const Function& f, Real u) {
+  static Real integral(const Function& f, Real eta) {
     using Quadrature = boost::math::quadrature::gauss_kronrod<Real, 61>;
-    return u > 0 ? Quadrature::integrate(f, Real(0), u, 10, Real(1e-16L)) : Real(0);
+    return eta > 0 ? Quadrature::integrate(f, Real(0), eta, 10, Real(1e-16L)) : Real(0);
   }
 
-  /// The u that is reached when ω0 t = T, by Newton's method from above: u ≤ T since root ≥ 1, and
-  /// κ sinh u ≤ T since root ≥ κ cosh u.
-  Real u_at(Real T) const {
+  /// The η that is reached when ω0 t = T, by Newton's method from above: η ≤ T since root ≥ 1, and
+  /// κ sinh η ≤ T since root ≥ κ cosh η.
+  Real eta_at(Real T) const {
     const Real kappa = std::sqrt(Real(scene_.mass) / I(scene_.r0)) * scene_.r0;
-    Real u = std::min(T, std::asinh(T / kappa));
+    Real eta = std::min(T, std::asinh(T / kappa));
     for (int i = 0; i < 60; ++i) {
-      const Real change = (integral([this](Real s) { return root(s); }, u) - T) / root(u);
-      u -= change;
-      if (std::abs(change) <= 1e-18L * u) break;
+      const Real change = (integral([this](Real s) { return root(s); }, eta) - T) / root(eta);
+      eta -= change;
+      if (std::abs(change) <= 1e-18L * eta) break;
     }
-    return u;
+    return eta;
   }
 
   Scene scene_;
-  Real I0_;
+  Real Is_;
 };
 
 inline Exact exact(const Scene& scene, double t) {

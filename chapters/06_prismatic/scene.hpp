@@ -42,7 +42,7 @@ inline program::Mechanism make_incline(const Scene& scene, const measure::Method
   system.set_gravity({0.0, scene.gravity});
   const auto block =
       system.add_body("block", scene.mass, scene.inertia(), {0.0, 0.0}, scene.angle());
-  const joints::Prismatic rail{.n_hat = across(scene.angle()), .theta0 = scene.angle()};
+  const joints::Prismatic rail{.n_hat = across(scene.angle()), .theta21 = scene.angle()};
   mechanism.report("block_rail", system.add("block_rail", rail, system.world, block), block);
   mechanism.assemble();
   return mechanism;

@@ -101,7 +101,7 @@ inline program::Stability stability() {
          const Scene scene;
          program::Mechanism mechanism = make_incline(scene, projected);
          mechanism.system.add(
-             "again", joints::Prismatic{.n_hat = across(scene.angle()), .theta0 = scene.angle()},
+             "again", joints::Prismatic{.n_hat = across(scene.angle()), .theta21 = scene.angle()},
              dynamics::System::world, dynamics::Handle<dynamics::Body>{0, 0});
          Motion motion(std::move(mechanism), projected);
          motion.advance(1000, 1e-3);

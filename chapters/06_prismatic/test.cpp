@@ -211,7 +211,7 @@ TEST_CASE("rows and columns by hand count, names as the table has them") {
   CHECK(spin.columns().reactions[3] == "rail_world.fx");
 }
 
-TEST_CASE("a second rail beside the first: the motion stays right, the dependent rows are named") {
+TEST_CASE("solution 3: with a second rail the motion stays right, and its rows are named") {
   const Scene scene{.incline = 25.0};
   const auto build = [&](bool second_rail) {
     Mechanism mechanism({});
@@ -219,7 +219,7 @@ TEST_CASE("a second rail beside the first: the motion stays right, the dependent
     system.set_gravity({0.0, scene.gravity});
     const double beta = scene.angle();
     const auto block = system.add_body("block", 1.0, scene.inertia(), {0.0, 0.0}, beta);
-    const joints::Prismatic rail{.n_hat = across(beta), .theta0 = beta};
+    const joints::Prismatic rail{.n_hat = across(beta), .theta21 = beta};
     joints::Prismatic beside = rail;
     beside.u1 = 0.05 * across(beta);  // a rail along the lower side of the block
     beside.u2 = {0.0, 0.05};

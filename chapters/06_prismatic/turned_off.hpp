@@ -12,9 +12,9 @@ struct WithoutCoriolis : joints::Prismatic {
 
   dynamics::Rows<2, Body, Body> rows(const Body& first, const Body& second) const {
     auto rows = Prismatic::rows(first, second);
-    const Eigen::Vector2d ddot = point(second, u2).rdot - point(first, u1).rdot;
+    const Eigen::Vector2d d_dot = point(second, u2).rdot - point(first, u1).rdot;
     const Eigen::Vector2d Sn = dynamics::S(first.A * n_hat);
-    rows.Jdot_v[0] -= 2 * first.omega * Sn.dot(ddot);
+    rows.Jdot_v[0] -= 2 * first.omega * Sn.dot(d_dot);
     return rows;
   }
 };

@@ -19,12 +19,12 @@ using Real = long double;
 /// The mechanism by its one degree of freedom, the wheel's angle θ: places of its bodies, their
 /// first and second derivatives with respect to θ, and what follows from them.
 ///
-///     crank pin  P = r (cos θ, sin θ)
-///     slider     s = r cos θ + c,  c = √(L² − r² sin²θ)          on the rail y = 0
-///     rod        centre (r cos θ + c/2, r sin θ/2), angle φ with sin φ = −r sin θ/L, cos φ = c/L
+///     crank pin  P = R (cos θ, sin θ)
+///     slider     xs = R cos θ + c,  c = √(L² − R² sin²θ)         on the rail y = 0
+///     rod        centre (R cos θ + c/2, R sin θ/2), angle φ with sin φ = −R sin θ/L, cos φ = c/L
 ///
-///     M(θ) = Iw + mr (x'² + y'²) + Ir φ'² + ms s'²               T = ½ M θ̇²
-///     M θ̈ + ½ M' θ̇² = τ + mr g y'                                 Lagrange's equation
+///     μ(θ) = Iw + mr (x'² + y'²) + Ir φ'² + ms xs'²              T = ½ μ θ̇²
+///     μ θ̈ + ½ μ' θ̇² = τ + mr g y'                                 Lagrange's equation
 class Reduced {
  public:
   struct Derivatives {
@@ -32,7 +32,7 @@ class Reduced {
   };
 
   explicit Reduced(const Scene& scene)
-      : r(scene.crank),
+      : R(scene.crank),
         L(scene.rod),
         torque(scene.torque),
         g(scene.gravity),
@@ -41,38 +41,38 @@ class Reduced {
         slider_mass(scene.slider_mass),
         wheel_inertia(wheel_mass * Real(scene.wheel_radius) * Real(scene.wheel_radius) / 2),
         rod_inertia(rod_mass * L * L / 12),
-        pull(rod_mass * g * r / 2) {}
+        pull(rod_mass * g * R / 2) {}
 
   struct Pose {
-    Derivatives s, x, y, phi;
+    Derivatives xs, x, y, phi;
   };
 
   Pose pose(Real theta) const {
     const Real sine = std::sin(theta), cosine = std::cos(theta);
-    if (L == r)  // c = r cos θ with its sign: the branch that momentum keeps through θ = ±π/2
-      return {{2 * r * cosine, -2 * r * sine, -2 * r * cosine},
-              {3 * r * cosine / 2, -3 * r * sine / 2, -3 * r * cosine / 2},
-              {r * sine / 2, r * cosine / 2, -r * sine / 2},
+    if (L == R)  // c = R cos θ with its sign: the branch that momentum keeps through θ = ±π/2
+      return {{2 * R * cosine, -2 * R * sine, -2 * R * cosine},
+              {3 * R * cosine / 2, -3 * R * sine / 2, -3 * R * cosine / 2},
+              {R * sine / 2, R * cosine / 2, -R * sine / 2},
               {-theta, -1, 0}};
-    const Real c = std::sqrt(L * L - r * r * sine * sine);
-    const Real c1 = -r * r * sine * cosine / c;
-    const Real c2 = -r * r * ((cosine * cosine - sine * sine) * c - sine * cosine * c1) / (c * c);
-    return {{r * cosine + c, -r * sine + c1, -r * cosine + c2},
-            {r * cosine + c / 2, -r * sine + c1 / 2, -r * cosine + c2 / 2},
-            {r * sine / 2, r * cosine / 2, -r * sine / 2},
-            {-std::asin(r * sine / L), -r * cosine / c, r * (sine * c + cosine * c1) / (c * c)}};
+    const Real c = std::sqrt(L * L - R * R * sine * sine);
+    const Real c1 = -R * R * sine * cosine / c;
+    const Real c2 = -R * R * ((cosine * cosine - sine * sine) * c - sine * cosine * c1) / (c * c);
+    return {{R * cosine + c, -R * sine + c1, -R * cosine + c2},
+            {R * cosine + c / 2, -R * sine + c1 / 2, -R * cosine + c2 / 2},
+            {R * sine / 2, R * cosine / 2, -R * sine / 2},
+            {-std::asin(R * sine / L), -R * cosine / c, R * (sine * c + cosine * c1) / (c * c)}};
   }
 
-  Real M(const Pose& at) const {
+  Real mu(const Pose& at) const {
     return wheel_inertia + rod_mass * (at.x.first * at.x.first + at.y.first * at.y.first) +
-           rod_inertia * at.phi.first * at.phi.first + slider_mass * at.s.first * at.s.first;
+           rod_inertia * at.phi.first * at.phi.first + slider_mass * at.xs.first * at.xs.first;
   }
 
   Real angular_acceleration(const Pose& at, Real omega) const {
-    const Real half_dM = rod_mass * (at.x.first * at.x.second + at.y.first * at.y.second) +
-                         rod_inertia * at.phi.first * at.phi.second +
-                         slider_mass * at.s.first * at.s.second;
-    return (torque + rod_mass * g * at.y.first - half_dM * omega * omega) / M(at);
+    const Real half_dmu = rod_mass * (at.x.first * at.x.second + at.y.first * at.y.second) +
+                          rod_inertia * at.phi.first * at.phi.second +
+                          slider_mass * at.xs.first * at.xs.second;
+    return (torque + rod_mass * g * at.y.first - half_dmu * omega * omega) / mu(at);
   }
 
   /// An angle from which energy is counted, and the moment τ − V' there.
@@ -90,7 +90,7 @@ class Reduced {
             from.cosine * std::cos(delta) - from.sine * sine,
             from.moment - pull * (from.cosine * versine + from.sine * sine)};
   }
-  /// τ δ − (V(θ + δ) − V(θ)) = τ δ + ½ mr g r (sin(θ + δ) − sin θ). Where δ is small, moment times
+  /// τ δ − (V(θ + δ) − V(θ)) = τ δ + ½ mr g R (sin(θ + δ) − sin θ). Where δ is small, moment times
   /// δ comes first and what bends the curve after it, so that no digits are lost close to a
   /// balance.
   Real work(const Mark& from, Real delta) const {
@@ -106,24 +106,24 @@ class Reduced {
     return from.moment * delta + pull * (from.cosine * lag - from.sine * 2 * half * half);
   }
 
-  Real r, L, torque, g, wheel_mass, rod_mass, slider_mass, wheel_inertia, rod_inertia;
+  Real R, L, torque, g, wheel_mass, rod_mass, slider_mass, wheel_inertia, rod_inertia;
   Real pull;  ///< moment of the weight where the crank is level
 };
 
 /// A part of the motion on which the crank turns one way, from `from` in the direction `way` (±1).
 /// There the angle gives the speed, by energy, and the time is a quadrature, ∫ dθ/θ̇. A place where
-/// the crank comes to rest is a singularity of it, which a parameter x of the angle takes away:
+/// the crank comes to rest is a singularity of it, which a parameter ξ of the angle takes away:
 ///
-///     from a speed          |θ − from| = x
+///     from a speed          |θ − from| = ξ
 ///     from rest             |θ − from| = x²
-///     from rest to rest     |θ − from| = length sin²(x/2), x from 0 to π
+///     from rest to rest     |θ − from| = length sin²(ξ/2), ξ from 0 to π
 ///
 /// Close to a place of rest the energy is counted from there, so that it keeps its digits.
 class Way {
  public:
   /// A parameter, and the time at which it is reached [s].
   struct Point {
-    Real x, t;
+    Real xi, t;
   };
   static constexpr Real pi = std::numbers::pi_v<Real>;
   static constexpr Real infinity = std::numeric_limits<Real>::infinity();
@@ -138,23 +138,23 @@ class Way {
     return {reduced, from, way, 0, length};
   }
 
-  Real theta(Real x) const { return from_.theta + way_ * distance(x); }
+  Real theta(Real xi) const { return from_.theta + way_ * distance(xi); }
   /// |θ̇|.
-  Real speed(Real x) const {
-    return std::sqrt(2 * std::max<Real>(0, kinetic(x)) / reduced_.M(reduced_.pose(theta(x))));
+  Real speed(Real xi) const {
+    return std::sqrt(2 * std::max<Real>(0, kinetic(xi)) / reduced_.mu(reduced_.pose(theta(xi))));
   }
 
-  /// From x = 0 until `x` or the time `t` is reached, whichever comes first. Nothing where that
+  /// From ξ = 0 until `ξ` or the time `t` is reached, whichever comes first. Nothing where that
   /// takes more work than there is left.
-  std::optional<Point> go(Real x, Real t) {
+  std::optional<Point> go(Real xi, Real t) {
     Point now{0, 0};
-    for (Real piece = longest; now.x < x; piece = std::min(2 * piece, longest)) {
+    for (Real piece = longest; now.xi < xi; piece = std::min(2 * piece, longest)) {
       Real next = 0;
       std::optional<Real> time;
       for (;; piece /= 4) {
-        next = std::min(x, after(now.x, piece));
-        if (evaluations_left_ <= 0 || !(next > now.x)) return std::nullopt;
-        if ((time = integrate(now.x, next, true))) break;
+        next = std::min(xi, after(now.xi, piece));
+        if (evaluations_left_ <= 0 || !(next > now.xi)) return std::nullopt;
+        if ((time = integrate(now.xi, next, true))) break;
       }
       if (now.t + *time >= t) return Point{invert(now, next, t - now.t), t};
       now = {next, now.t + *time};
@@ -175,25 +175,25 @@ class Way {
         length_(length) {}
 
   bool to_rest() const { return length_ > 0 && length_ < infinity; }
-  Real distance(Real x) const {
-    if (length_ == 0) return x;
-    return to_rest() ? length_ * std::pow(std::sin(x / 2), Real(2)) : x * x;
+  Real distance(Real xi) const {
+    if (length_ == 0) return xi;
+    return to_rest() ? length_ * std::pow(std::sin(xi / 2), Real(2)) : xi * xi;
   }
-  Real distance_rate(Real x) const {
+  Real distance_rate(Real xi) const {
     if (length_ == 0) return 1;
-    return to_rest() ? length_ * std::sin(x) / 2 : 2 * x;
+    return to_rest() ? length_ * std::sin(xi) / 2 : 2 * xi;
   }
-  Real after(Real x, Real piece) const {
-    if (length_ == 0) return x + piece;
-    return to_rest() ? x + piece / std::max(Real(1), length_) : std::sqrt(x * x + piece);
+  Real after(Real xi, Real piece) const {
+    if (length_ == 0) return xi + piece;
+    return to_rest() ? xi + piece / std::max(Real(1), length_) : std::sqrt(xi * xi + piece);
   }
-  /// ½ M θ̇².
-  Real kinetic(Real x) const {
-    if (to_rest() && x > pi / 2)
-      return reduced_.work(to_, -way_ * length_ * std::pow(std::cos(x / 2), Real(2)));
-    return start_ + reduced_.work(from_, way_ * distance(x));
+  /// ½ μ θ̇².
+  Real kinetic(Real xi) const {
+    if (to_rest() && xi > pi / 2)
+      return reduced_.work(to_, -way_ * length_ * std::pow(std::cos(xi / 2), Real(2)));
+    return start_ + reduced_.work(from_, way_ * distance(xi));
   }
-  Real dt_dx(Real x) const { return distance_rate(x) / speed(x); }
+  Real dt_dxi(Real xi) const { return distance_rate(xi) / speed(xi); }
 
   /// ∫ dt/dx dx. Asked to doubt, nothing where the rule of half the points inside it is off by so
   /// much that the rule itself could be off by more than rounding.
@@ -203,25 +203,25 @@ class Way {
     evaluations_left_ -= points;
     Real error = 0;  // of the mean, times 2
     const Real sum =
-        Rule::integrate([this](Real x) { return dt_dx(x); }, from, to, 0, Real(0), &error);
+        Rule::integrate([this](Real xi) { return dt_dxi(xi); }, from, to, 0, Real(0), &error);
     if (doubt && !(error * (to - from) / 2 <= 1e-13L * sum)) return std::nullopt;
     return sum;
   }
 
-  /// The x, up to `high`, that is reached so long after a point: by Newton's steps in a bracket.
+  /// The ξ, up to `high`, that is reached so long after a point: by Newton's steps in a bracket.
   Real invert(const Point& after, Real high, Real t) {
     const Real scale = high;
-    Real low = after.x, x = low + (high - low) / 2;
+    Real low = after.xi, xi = low + (high - low) / 2;
     for (int i = 0; i < 100; ++i) {
-      const Real excess = *integrate(after.x, x, false) - t;
-      (excess > 0 ? high : low) = x;
-      Real next = x - excess / dt_dx(x);
+      const Real excess = *integrate(after.xi, xi, false) - t;
+      (excess > 0 ? high : low) = xi;
+      Real next = xi - excess / dt_dxi(xi);
       if (!(next >= low && next <= high)) next = low + (high - low) / 2;
-      const bool done = std::abs(next - x) <= 4 * std::numeric_limits<Real>::epsilon() * scale;
-      x = next;
+      const bool done = std::abs(next - xi) <= 4 * std::numeric_limits<Real>::epsilon() * scale;
+      xi = next;
       if (done) break;
     }
-    return x;
+    return xi;
   }
 
   Reduced reduced_;
@@ -232,7 +232,7 @@ class Way {
 
 /// The exact motion, in long double. Energy gives the speed at every angle,
 ///
-///     ½ M(θ) θ̇² = ½ M(θ0) ω0² + work(θ),
+///     ½ μ(θ) θ̇² = ½ μ(θ0) ω0² + work(θ),
 ///
 /// and with it every place where the crank turns back. Between two of them it swings for ever; from
 /// a single one, which lies ahead or behind, it runs away; and where there is none and no torque
@@ -247,7 +247,7 @@ class Exact {
       : reduced_(scene),
         mark_(reduced_.mark(scene.theta0)),
         omega0_(scene.omega0),
-        start_(reduced_.M(reduced_.pose(mark_.theta)) * omega0_ * omega0_ / 2) {
+        start_(reduced_.mu(reduced_.pose(mark_.theta)) * omega0_ * omega0_ / 2) {
     const Real push = mark_.moment;
     way_ = omega0_ != 0 ? (omega0_ > 0 ? 1 : -1) : (push < 0 ? -1 : 1);
     at_rest_for_ever_ = omega0_ == 0 && push == 0;
@@ -314,7 +314,7 @@ class Exact {
     if (back) now = 2 * half->t - now;
     const auto end = way.go(Way::pi, now);
     if (!end) return std::nullopt;
-    return State{way.theta(end->x), (back ? -way_ : way_) * way.speed(end->x)};
+    return State{way.theta(end->xi), (back ? -way_ : way_) * way.speed(end->xi)};
   }
 
   std::optional<State> turning_back(Real t) const {
@@ -322,7 +322,7 @@ class Exact {
       Way there = Way::moving(reduced_, mark_, way_, start_);
       const auto end = there.go(*ahead_ - 3, t);
       if (!end) return std::nullopt;
-      if (end->t == t) return State{there.theta(end->x), way_ * there.speed(end->x)};
+      if (end->t == t) return State{there.theta(end->xi), way_ * there.speed(end->xi)};
     }
     return from_rest(reduced_.moved(mark_, way_ * *ahead_), -way_, *ahead_, t, true);
   }
@@ -340,7 +340,7 @@ class Exact {
     const Real now = before ? t - start->t : t + start->t;
     const auto end = way.go(Way::infinity, std::abs(now));
     if (!end) return std::nullopt;
-    return State{way.theta(end->x), (now < 0 ? -way_out : way_out) * way.speed(end->x)};
+    return State{way.theta(end->xi), (now < 0 ? -way_out : way_out) * way.speed(end->xi)};
   }
 
   std::optional<State> revolving(Real t) const {
@@ -354,12 +354,12 @@ class Exact {
     }
     const auto end = way.go(Way::infinity, t);
     if (!end) return std::nullopt;
-    return State{way.theta(end->x) + way_ * turns * 2 * Way::pi, way_ * way.speed(end->x)};
+    return State{way.theta(end->xi) + way_ * turns * 2 * Way::pi, way_ * way.speed(end->xi)};
   }
 
   Reduced reduced_;
   Reduced::Mark mark_;
-  Real omega0_, start_;  // ½ M ω² at the start
+  Real omega0_, start_;  // ½ μ ω² at the start
   Real way_ = 1;
   std::optional<Real> ahead_, behind_;  // distances to where the crank is at rest
   bool at_rest_for_ever_ = false;
@@ -383,7 +383,7 @@ inline Reactions reactions(const Scene& scene, const Exact::State& state) {
   const Real g = scene.gravity, m = scene.rod_mass, L = scene.rod;
   const Real ex = std::cos(at.phi.value), ey = std::sin(at.phi.value);
   // Slider along the rail; then the rod turns about its centre under the forces at both ends.
-  const Real Rx = scene.slider_mass * acceleration(at.s);
+  const Real Rx = scene.slider_mass * acceleration(at.xs);
   const Real px = m * acceleration(at.x), py = m * (acceleration(at.y) - g);
   const Real Ry =
       (-2 * reduced.rod_inertia * acceleration(at.phi) / L - (ex * py - ey * px) + 2 * ey * Rx) /
@@ -395,7 +395,7 @@ inline Reactions reactions(const Scene& scene, const Exact::State& state) {
   const Eigen::Vector2d frame_ground =
       wheel_frame + slider_frame - Eigen::Vector2d(0, scene.frame_mass * g);
   return {wheel_frame,  rod_wheel,    slider_rod,
-          slider_frame, frame_ground, static_cast<double>(at.s.value * N)};
+          slider_frame, frame_ground, static_cast<double>(at.xs.value * N)};
 }
 
 /// Errors of a row: wheel angle [rad], its rate [rad/s], and all joint forces together [N]. Empty

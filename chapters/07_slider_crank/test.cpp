@@ -86,7 +86,7 @@ TEST_CASE("the reduced mechanism: derivatives of its places against finite diffe
         CHECK(static_cast<double>(f.second) ==
               Approx(static_cast<double>((p.first - m.first) / (2 * h))).margin(1e-5));
       };
-      check(&Reduced::Pose::s);
+      check(&Reduced::Pose::xs);
       check(&Reduced::Pose::x);
       check(&Reduced::Pose::y);
       check(&Reduced::Pose::phi);
@@ -130,7 +130,7 @@ TEST_CASE("small swings have the period of the linearized equation, at rest it s
   const Reduced reduced(scene);
   const long double stiffness = 1.0L * 9.81L * 0.3L / 2;
   const auto w =
-      std::sqrt(stiffness / reduced.M(reduced.pose(std::numbers::pi_v<long double> / 2)));
+      std::sqrt(stiffness / reduced.mu(reduced.pose(std::numbers::pi_v<long double> / 2)));
   for (const double t : {0.1, 1.0, 10.0}) {
     const auto state = Exact(scene).at(t);
     REQUIRE(state.has_value());
@@ -148,7 +148,7 @@ TEST_CASE("after hours of revolutions energy is kept, and periods are") {
   const Scene free{.torque = 0.0, .theta0 = 0.5, .omega0 = 12.0};
   const Reduced reduced(free);
   const auto energy = [&](const Exact::State& state) {
-    return reduced.M(reduced.pose(state.theta)) * state.omega * state.omega / 2 -
+    return reduced.mu(reduced.pose(state.theta)) * state.omega * state.omega / 2 -
            reduced.pull * std::sin(state.theta);
   };
   const Exact exact(free);
@@ -377,6 +377,28 @@ TEST_CASE("solution 2: a second rail changes nothing but the rank") {
   CHECK(twice.system.counts().rows == 10);
   CHECK(twice.system.counts().rank == 8);
   CHECK(twice.system.dependent_rows().size() == 2);
+}
+
+TEST_CASE(
+    "solution 3: a rod ten times as heavy loads its pins 7.5 times as much, and stops the crank") {
+  Motion light = motion({}), heavy = motion({.rod_mass = 10.0});
+  const auto force = [](Motion& crank, const std::string& joint) {
+    return std::hypot(value(crank, joint + ".fx"), value(crank, joint + ".fy"));
+  };
+  const auto growth = [&](const std::string& joint) {
+    return force(heavy, joint) / force(light, joint);
+  };
+  for (const double error : slider_crank::errors({.rod_mass = 10.0}, heavy.columns(), heavy.row()))
+    CHECK(error < 1e-11);
+  CHECK(growth("rod_wheel") == Approx(7.5).epsilon(0.02));
+  CHECK(growth("slider_rod") == Approx(7.5).epsilon(0.02));
+  CHECK(growth("slider_frame") == Approx(3.1).epsilon(0.02));
+  CHECK(growth("wheel_frame") == Approx(2.8).epsilon(0.02));
+  CHECK(value(heavy, "wheel_frame.fx") == Approx(value(heavy, "rod_wheel.fx")).epsilon(1e-12));
+  for (int i = 0; i < 200; ++i) {
+    heavy.advance(10, 1e-3);
+    CHECK(value(heavy, "wheel.theta") < std::numbers::pi);
+  }
 }
 
 #ifdef TUTORIAL_PICTURES

@@ -12,9 +12,11 @@ class WithoutJdotV : public program::Mechanism {
     at_rest_ = Vector::Zero(initial_velocity().size());
   }
 
+  // [without]
   void acceleration(double t, const Vector& q, const Vector&, Vector& a) {
     Mechanism::acceleration(t, q, at_rest_, a);
   }
+  // [without]
 
  private:
   Vector at_rest_;

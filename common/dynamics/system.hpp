@@ -91,6 +91,7 @@ struct JointOf final : AnyJoint {
 
   JointOf(Joint j, Handle<First> f, Handle<Second> s) : joint(std::move(j)), first(f), second(s) {}
 
+  // [equation]
   void equation(const Things& things, const VectorXd& W, const VectorXd& a,
                 const JointPlace& place) const override {
     const Rows rows = joint.rows(things[first], things[second]);
@@ -109,6 +110,7 @@ struct JointOf final : AnyJoint {
     Block<r, r>{place.JWJt} = JWJt;
     write_C_and_J(rows, place);
   }
+  // [equation]
   void constraint(const Things& things, const VectorXd& v, const JointPlace& place) const override {
     const Rows rows = joint.rows(things[first], things[second]);
     Eigen::Vector<double, r> Jv = Eigen::Vector<double, r>::Zero();
@@ -170,7 +172,7 @@ struct Projection {
   int steps;
 };
 
-/// What assemble() found: the largest change of a coordinate (m, rad), and the largest |C| and |J v|
+/// What assemble() found: the largest change of a coordinate (m, rad); the largest |C| and |J v|
 /// before it.
 struct Assembly {
   bool projected;  ///< false: q was on the constraints already, to rounding, and is left as it was

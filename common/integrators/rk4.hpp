@@ -19,6 +19,7 @@ class Rk4 {
  public:
   explicit Rk4(const Vector& like) : q_(like), v_(like), a_(like), v_sum_(like), a_sum_(like) {}
 
+  // [step]
   /// Moves q and v from t to t + h; `acceleration(t, q, v, a)` writes q̈ into a.
   template <class Acceleration>
   void step(Acceleration&& acceleration, double t, Vector& q, Vector& v, double h) {
@@ -47,6 +48,7 @@ class Rk4 {
     q += h / 6.0 * v_sum_;
     v += h / 6.0 * a_sum_;
   }
+  // [step]
 
  private:
   Vector q_, v_, a_, v_sum_, a_sum_;

@@ -24,6 +24,7 @@ struct Ground {
   Vector2d c = Vector2d::Zero();
   double ctheta = 0;
 
+  // [rows]
   dynamics::Rows<3, dynamics::Body, dynamics::World> rows(const dynamics::Body& body,
                                                           const dynamics::World&) const {
     const double size = body.x.lpNorm<1>() + c.lpNorm<1>();
@@ -33,6 +34,7 @@ struct Ground {
             .Jdot_v = Eigen::Vector3d::Zero(),
             .size = {size, size, std::abs(body.theta) + std::abs(ctheta)}};
   }
+  // [rows]
 
   dynamics::Rows<2, dynamics::Particle, dynamics::World> rows(const dynamics::Particle& particle,
                                                               const dynamics::World&) const {

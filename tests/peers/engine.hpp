@@ -55,7 +55,7 @@ struct Engine {
 
 /// This tutorial's solver, the name under which the tables compare it.
 inline const std::string ours = "this solver";
-/// The same equations in dense matrices, as the article has them.
+/// The same equations in dense matrices.
 inline const std::string dense_form = "dense matrices";
 
 /// All engines that were there when this was built, this tutorial's first.
