@@ -11,6 +11,12 @@
 //   <!-- cases: CSV -->           the table of saved stability cases; likewise
 //   <!-- long_run: CSV -->        the energy errors of saved long runs
 //
+// and one names where the figures of the paragraph after it come from:
+//
+//   <!-- figures: COMMAND -->     each number with a decimal point, a power of ten or three digits
+//   is one
+//                                 that the shell command prints, rounded
+//
 // Without --check the blocks are written anew. With it nothing is written: each block that differs
 // and each link without a target is named, and the exit status is 1. With --commands the commands
 // that the documents show in indented lines, and those of build/bin in the text, are run instead.
@@ -19,12 +25,15 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -157,15 +166,74 @@ void check_links(const fs::path& file, const std::vector<std::string>& lines,
   }
 }
 
+/// A number as it is written, and half a unit of its last digit.
+struct Figure {
+  std::string text;
+  double value, half_unit;
+};
+
+/// The numbers of a text, in the ways in which documents and programs write them: 0.37, 1.5e-07,
+/// 6.8·10⁻⁶, 56 000.
+std::vector<Figure> figures(const std::string& text) {
+  static const std::regex number(
+      R"re((\d{1,3}(?: \d{3})+|\d+)(\.\d+)?(?:e([-+]?\d+)|·10((?:⁻|⁰|¹|²|³|⁴|⁵|⁶|⁷|⁸|⁹)+))?)re");
+  static const std::vector<std::string> digits{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::vector<Figure> found;
+  for (std::sregex_iterator match(text.begin(), text.end(), number), end; match != end; ++match) {
+    std::string mantissa = (*match)[1].str() + (*match)[2].str();
+    std::erase(mantissa, ' ');
+    std::string exponent = (*match)[3].str(), raised = (*match)[4].str();
+    if (raised.starts_with("⁻")) exponent = "-";
+    for (std::size_t at = 0; at < raised.size(); ++at)
+      for (std::size_t digit = 0; digit < digits.size(); ++digit)
+        if (raised.compare(at, digits[digit].size(), digits[digit]) == 0)
+          exponent += std::to_string(digit);
+    const double scale = exponent.empty() ? 1.0 : std::stod("1e" + exponent);
+    const std::size_t decimals = (*match)[2].matched ? (*match)[2].str().size() - 1 : 0;
+    found.push_back({(*match)[0], std::stod(mantissa) * scale,
+                     0.5 * std::pow(10.0, -static_cast<double>(decimals)) * scale});
+  }
+  return found;
+}
+
+/// The figures of a paragraph that a command does not print.
+std::vector<std::string> strange_figures(std::string paragraph, const std::string& command) {
+  static std::map<std::string, std::vector<Figure>> printed;  // a command may serve many paragraphs
+  if (!printed.contains(command))
+    printed[command] = figures(fmt::format("{}", fmt::join(output(command), "\n")));
+  static const std::regex not_prose(R"re(`[^`]*`|\$[^$]*\$|\]\([^)]*\))re");
+  paragraph = std::regex_replace(paragraph, not_prose, "");
+  std::vector<std::string> strange;
+  for (const Figure& shown : figures(paragraph)) {
+    const bool plain = shown.text.find_first_not_of("0123456789") == std::string::npos;
+    if (plain && shown.text.size() < 3) continue;
+    const bool known =
+        std::any_of(printed[command].begin(), printed[command].end(), [&](const Figure& figure) {
+          return std::abs(figure.value - shown.value) <= 1.001 * shown.half_unit;
+        });
+    if (!known) strange.push_back(shown.text);
+  }
+  return strange;
+}
+
 /// The document as it should be; what differs is named.
 std::vector<std::string> in_step(const fs::path& source, const fs::path& file,
                                  const std::vector<std::string>& lines,
                                  std::vector<std::string>& complaints) {
   static const std::regex marker("<!-- (excerpt|output|report|cases|long_run): (.*) -->");
+  static const std::regex of_figures("<!-- figures: (.*) -->");
   std::vector<std::string> result;
   std::smatch match;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     result.push_back(lines[i]);
+    if (std::regex_match(lines[i], match, of_figures)) {
+      std::string paragraph;
+      for (std::size_t next = i + 1; next < lines.size() && !lines[next].empty(); ++next)
+        paragraph += lines[next] + "\n";
+      for (const std::string& figure : strange_figures(paragraph, match[1]))
+        complaints.push_back(fmt::format("{}:{}: {} is no figure of {}", file.string(), i + 2,
+                                         figure, match[1].str()));
+    }
     if (!std::regex_match(lines[i], match, marker)) continue;
     const std::size_t open = i + 1;
     if (open >= lines.size() || !lines[open].starts_with("```"))

@@ -30,7 +30,8 @@ class Copy {
     write("README.md",
           "# A tutorial\n\n[More](docs/more.md#some-part)\n\n    build/bin/program right\n\n"
           "<!-- excerpt: source.hpp part -->\n```cpp\n```\n\n"
-          "<!-- output: program -->\n```text\n```\n\n<!-- report: report.csv -->\n```text\n```\n");
+          "<!-- output: program -->\n```text\n```\n\n<!-- report: report.csv -->\n```text\n```\n\n"
+          "<!-- figures: program -->\n*Off by 1.5·10⁻⁷ m in `0.25` s.*\n");
     write("docs/more.md", "# More\n\n## Some part\n");
   }
   Copy(const Copy&) = delete;
@@ -74,6 +75,7 @@ TEST_CASE("the documents' check fails when one character of what they show chang
   SECTION("of a program's output") { copy.replace("bin/program", "1.5e-07", "1.6e-07"); }
   SECTION("of a figure shown") { copy.replace("README.md", "1.5e-07", "1.4e-07"); }
   SECTION("of a table") { copy.replace("README.md", "not reached", "not reeched"); }
+  SECTION("of a figure in a caption") { copy.replace("README.md", "1.5·", "1.6·"); }
   SECTION("of a saved report") { copy.replace("report.csv", "rk4,4,", "rk5,4,"); }
   SECTION("of a link's file") { copy.replace("README.md", "more.md#", "mare.md#"); }
   SECTION("of a link's heading") { copy.replace("README.md", "#some-part", "#some-port"); }
