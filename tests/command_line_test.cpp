@@ -256,6 +256,17 @@ TEST_CASE("unusable arguments: one line that names them, exit status 2") {
     check_refused(p + "snapshot --theme pink", "--theme pink");
     check_refused(p + "snapshot --at 1,x", "--at x");
     check_refused(p + "snapshot --at -1", "--at -1");
+    for (const char* bad : {"0", "-1", "1.5", "100001", "x"})
+      check_refused(p + "snapshot --frames " + bad, std::string("--frames ") + bad);
+    check_refused(p + "snapshot --fps 30", "--fps 30");
+    for (const char* bad : {"0", "1001", "nan"})
+      check_refused(p + "snapshot --frames 2 --fps " + bad, std::string("--fps ") + bad);
+    for (const char* bad : {"4", "0x3", "4x21", "4x3x2", "4.5x3", "x"})
+      check_refused(p + "snapshot --sheet " + bad, std::string("--sheet ") + bad);
+    check_refused(p + "snapshot --frames 3 --sheet 4x3", "--sheet 4x3");
+    check_refused(p + "snapshot --frames 3 --at 1", "--at 1");
+    check_refused(p + "snapshot --sheet 2x1 --at 0,0.1,0.2", "--sheet 2x1");
+    check_refused(p + "snapshot --frames 100000 --fps 0.001 --step 0.001", "--frames 100000");
 #endif
   }
   const std::string p = program("01_particle_on_curve_implicit") + " run ";
@@ -352,3 +363,91 @@ TEST_CASE("stability writes its table and its map, and says how many cases ended
   check_refused(program("04_ground") + " stability --out /proc/none", "--out /proc/none");
   check_refused(program("04_ground") + " stability --step 1", "--step");
 }
+
+#ifdef TUTORIAL_PICTURES
+
+namespace {
+
+std::vector<std::string> files_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+bool whole_png(const fs::path& path) {
+  const std::string bytes = slurp(path);
+  return bytes.starts_with("\x89PNG") && bytes.ends_with("IEND\xae\x42\x60\x82");
+}
+
+}  // namespace
+
+TEST_CASE("a series is numbered, in step with its frames a second, and each picture is whole") {
+  const Folder folder;
+  for (const std::string& chapter : chapters()) {
+    INFO(chapter);
+    const std::string out = (folder.path / chapter).string(),
+                      p = program(chapter) + " snapshot --size 480x300 --scale 0.5 --out " + out;
+    const Result result = shell(p + " --frames 6 --fps 20");
+    INFO(result.err);
+    CHECK(result.status == 0);
+    CHECK(result.out == fmt::format("{0}/frame_0001.png\nto {0}/frame_0006.png\n", out));
+    CHECK(files_in(out) == std::vector<std::string>{"frame_0001.png", "frame_0002.png",
+                                                    "frame_0003.png", "frame_0004.png",
+                                                    "frame_0005.png", "frame_0006.png"});
+    for (const std::string& name : files_in(out)) CHECK(whole_png(fs::path(out) / name));
+    CHECK(slurp(out + "/frame_0001.png") != slurp(out + "/frame_0006.png"));
+    CHECK(shell(p + " --at 0.25").status == 0);
+    if (chapter.starts_with("04"))  // nothing there changes with what is still to come
+      CHECK(slurp(out + "/frame_0006.png").size() == slurp(out + "/at_0.25s.png").size());
+  }
+}
+
+TEST_CASE("a sheet shows the scene at equal times or at chosen ones") {
+  const Folder folder;
+  const std::string out = folder.path.string();
+  for (const std::string& chapter : chapters()) {
+    INFO(chapter);
+    const std::string p = program(chapter) + " snapshot --sheet 3x2 --scale 1 --out " + out;
+    CHECK(shell(p).out == out + "/sheet.png\n");
+    CHECK(whole_png(folder.path / "sheet.png"));
+    const std::string equal_times = slurp(folder.path / "sheet.png");
+    CHECK(shell(p + " --at 0.3,0.1").status == 0);
+    CHECK(slurp(folder.path / "sheet.png") != equal_times);
+    CHECK(files_in(folder.path) == std::vector<std::string>{"sheet.png"});
+  }
+}
+
+TEST_CASE("a series that is interrupted leaves whole pictures and nothing else") {
+  const Folder folder;
+  const Result result =
+      shell(fmt::format("timeout -s INT 2 {} snapshot --frames 100000 --fps 1000 --out {}",
+                        program("01_particle_on_curve_implicit"), folder.path.string()));
+  CHECK(result.status == 124);
+  const std::vector<std::string> names = files_in(folder.path);
+  CHECK(names.size() > 2);
+  for (const std::string& name : names) {
+    INFO(name);
+    CHECK(name.starts_with("frame_"));
+    CHECK(whole_png(folder.path / name));
+  }
+}
+
+#endif
+
+#ifdef TUTORIAL_WINDOW
+
+TEST_CASE("without a display live names what draws without one") {
+  for (const std::string& chapter : chapters())
+    check_refused("env -u DISPLAY -u WAYLAND_DISPLAY " + program(chapter) + " live",
+                  chapter + ": live: no display; `snapshot` draws pictures without one", 1);
+}
+
+#else
+
+TEST_CASE("a build without a window has no live") {
+  for (const std::string& chapter : chapters())
+    check_refused(program(chapter) + " live", "command live");
+}
+
+#endif

@@ -136,12 +136,12 @@ TEST_CASE(
       CHECK(symbols.find("joints::") == std::string::npos);
     }
 #ifndef TUTORIAL_PICTURES
-    for (const char* part : {"ImGui", "ImDraw", "egl", "stbi_", "draw::"}) {
+    for (const char* part : {"ImGui", "ImDraw", "egl", "stbi_", "glfw", "draw::"}) {
       INFO(part);
       CHECK(symbols.find(part) == std::string::npos);
     }
     const std::string libraries = output("ldd " + program);
-    for (const char* part : {"libEGL", "libGL", "libimgui", "libstb"}) {
+    for (const char* part : {"libEGL", "libGL", "libimgui", "libstb", "libglfw"}) {
       INFO(part);
       CHECK(libraries.find(part) == std::string::npos);
     }

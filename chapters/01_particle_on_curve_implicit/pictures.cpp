@@ -9,6 +9,7 @@
 #include "draw/page.hpp"
 #include "erratum.hpp"
 #include "parabola/exact.hpp"
+#include "parabola/held_bead.hpp"
 #include "parabola/implicit_bead.hpp"
 #include "parabola/pictures.hpp"
 #include "turned_off.hpp"
@@ -48,11 +49,11 @@ void advance_to(Motion& motion, double t, double step) {
 }
 
 void draw_forces(Canvas& canvas, const Scene& scene, const Instant& instant,
-                 double metres_per_newton) {
+                 double metres_per_newton, bool labelled = true) {
   const auto& theme = canvas.theme();
   const auto arrow = [&](const Vector2d& force, draw::Color color, const std::string& name) {
     canvas.arrow(point(instant.x), point(metres_per_newton * force), color,
-                 fmt::format("{} {:.2f} N", name, force.norm()));
+                 labelled ? fmt::format("{} {:.2f} N", name, force.norm()) : "");
   };
   arrow({0.0, scene.applied_force().y()}, theme.weight, "weight");
   if (scene.force_x != 0.0) arrow({scene.force_x, 0.0}, theme.applied_force, "applied force");
@@ -207,6 +208,59 @@ Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
                                 drifts, "m²");
 }
 
+class BeadStage final : public program::Stage {
+ public:
+  BeadStage(const Scene& scene, const RunOptions& run)
+      : Stage(run),
+        scene_(scene),
+        motion_(parabola::HeldBead(scene, run.method.ks, run.method.kd,
+                                   [this](const Vector2d& x, const Vector2d& v) {
+                                     const draw::Point F = spring_force(0, point(x), point(v));
+                                     return Vector2d(F.x, F.y);
+                                   }),
+                run.method) {
+    add(motion_, "");
+    begin(parabola::view(scene, {scene, run.duration}, 0.1, 0.12));
+  }
+
+  std::string title() const override { return "A particle on the curve x² + 2py = 0"; }
+  std::string caption() override {
+    return fmt::format(
+        "t = {:.3f} s: x = {:.3f} m, speed {:.3f} m/s, |C| = {} m² ({}, step {:g} s).", time(),
+        motion_.q().x(), motion_.v().norm(), program::figure(motion_.measures().constraint_error),
+        run().method.label(), run().step);
+  }
+
+ private:
+  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
+    Canvas canvas(pen, area, view());
+    open(canvas, show);
+    parabola::draw_track(canvas, scene_, view());
+    if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 2.0, draw::Dash::dotted);
+    if (show.forces)
+      draw_forces(canvas, scene_, instant(), force_scale(scene_, largest_force(), view(), 0.2),
+                  show.numbers);
+    parabola::draw_bead(canvas, motion_.q());
+    if (show.names)
+      canvas.label(point(motion_.q()), "particle", canvas.theme().ink, draw::Font::bold,
+                   draw::Align::left, {14.0, 14.0});
+  }
+
+  Instant instant() {
+    const measure::Row row = motion_.row();
+    return {time(), motion_.q(), motion_.v(), {row.reactions[0], row.reactions[1]}};
+  }
+  std::vector<draw::Point> marks() const override { return {point(motion_.q())}; }
+  double force() override {
+    return std::max(instant().constraint_force.norm(), scene_.applied_force().norm());
+  }
+  std::vector<Outline> outlines() const override { return {{.center = point(motion_.q())}}; }
+  Mass hold(std::size_t, draw::Point) override { return {scene_.mass, scene_.mass}; }
+
+  Scene scene_;
+  measure::Motion<parabola::HeldBead> motion_;
+};
+
 }  // namespace
 
 std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
@@ -215,30 +269,8 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
           erratum_picture(scene, run), turned_off_picture(scene, run)};
 }
 
-Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
-  Motion particle = motion(scene, run.method);
-  std::vector<draw::Point> trail{point(particle.q())};
-  constexpr int pieces = 400;
-  for (int i = 1; i <= pieces; ++i) {
-    advance_to(particle, t * i / pieces, run.step);
-    trail.push_back(point(particle.q()));
-  }
-  const Instant instant = now(scene, particle);
-  const draw::View view = parabola::view(scene, {scene, std::max(t, run.duration)}, 0.1, 0.12);
-  const double scale = force_scale(scene, instant.constraint_force.norm(), view, 0.2);
-  const std::string caption = fmt::format(
-      "t = {:.3f} s: x = {:.3f} m, speed {:.3f} m/s, |C| = {} m² ({}, step {:g} s).", instant.t,
-      instant.x.x(), instant.v.norm(), program::figure(particle.measures().constraint_error),
-      run.method.label(), run.step);
-  return {fmt::format("at_{}s", t), [=](draw::Pen& pen) {
-            Canvas canvas(pen, draw::page(pen, "A particle on the curve x² + 2py = 0", caption),
-                          view);
-            canvas.axes("m");
-            parabola::draw_track(canvas, scene, view);
-            canvas.curve(trail, canvas.theme().velocity, 2.0, draw::Dash::dotted);
-            draw_forces(canvas, scene, instant, scale);
-            parabola::draw_bead(canvas, instant.x);
-          }};
+std::unique_ptr<program::Stage> stage(const Scene& scene, const RunOptions& run) {
+  return std::make_unique<BeadStage>(scene, run);
 }
 
 }  // namespace particle_on_curve

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "parabola/scene.hpp"
 #include "program/options.hpp"
 #include "program/pictures.hpp"
+#include "program/stage.hpp"
 
 namespace particle_on_curve {
 
@@ -12,7 +14,7 @@ namespace particle_on_curve {
 std::vector<program::Picture> pictures(const parabola::Scene& scene,
                                        const program::RunOptions& run);
 
-/// The scene at t [s], with its forces and the trail of the motion.
-program::Picture picture_at(const parabola::Scene& scene, const program::RunOptions& run, double t);
+/// The particle in motion, with its forces and its trail.
+std::unique_ptr<program::Stage> stage(const parabola::Scene& scene, const program::RunOptions& run);
 
 }  // namespace particle_on_curve

@@ -20,10 +20,11 @@ int main(int argc, char** argv) {
 
   chapter.parameters = {
       {"--x0", "m", "start, at rest", &scene.x0, program::any},
-      {"--mass", "kg", "mass of the particle", &scene.mass, program::positive},
-      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative},
+      {"--mass", "kg", "mass of the particle", &scene.mass, program::positive, program::acts},
+      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative,
+       program::acts},
       {"--p", "m", "half the parameter of the parabola x² + 2py = 0", &scene.p, program::positive},
-      {"--force-x", "N", "constant horizontal force", &scene.force_x, program::any},
+      {"--force-x", "N", "constant horizontal force", &scene.force_x, program::any, program::acts},
   };
   chapter.defaults = {.duration = 20.0, .step = 0.01};
   chapter.has_constraints = false;
@@ -50,8 +51,8 @@ int main(int argc, char** argv) {
   chapter.pictures = [&scene](const program::RunOptions& run) {
     return parametric_lagrangian::pictures(scene, run);
   };
-  chapter.picture_at = [&scene](const program::RunOptions& run, double t) {
-    return parametric_lagrangian::picture_at(scene, run, t);
+  chapter.stage = [&scene](const program::RunOptions& run) {
+    return parametric_lagrangian::stage(scene, run);
   };
 #endif
   return program::run_chapter(argc, argv, chapter);

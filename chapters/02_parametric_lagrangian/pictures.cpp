@@ -8,6 +8,7 @@
 #include "draw/canvas.hpp"
 #include "draw/page.hpp"
 #include "parabola/exact.hpp"
+#include "parabola/held_bead.hpp"
 #include "parabola/implicit_bead.hpp"
 #include "parabola/pictures.hpp"
 #include "parametric_bead.hpp"
@@ -64,15 +65,21 @@ Pair pair(const Scene& scene, integrators::Name integrator, double duration, dou
           trail(Parametric(ParametricBead(scene), method), duration, step)};
 }
 
+/// Over a panel: what it shows and how far that is off. Returns the room that is left.
+draw::Rect draw_heading(draw::Pen& pen, const draw::Rect& area, const std::string& title,
+                        double off_curve, double energy_error) {
+  pen.text({area.left, area.top + 9.0}, title, pen.theme().ink, draw::Font::bold);
+  pen.text({area.left, area.top + 27.0},
+           fmt::format("|C| = {} m²,  energy error {} J", program::figure(off_curve),
+                       program::figure(std::abs(energy_error))),
+           pen.theme().muted, draw::Font::small);
+  return {area.left, area.top + 38.0, area.width, area.height - 38.0};
+}
+
 /// One panel: the track, the trail, the particle where it is and, as a ring, where it should be.
 void draw_panel(draw::Pen& pen, const draw::Rect& area, const draw::View& view, const Scene& scene,
                 const Trail& trail, const Vector2d& exact, const std::string& title) {
-  pen.text({area.left, area.top + 9.0}, title, pen.theme().ink, draw::Font::bold);
-  pen.text({area.left, area.top + 27.0},
-           fmt::format("|C| = {} m²,  energy error {} J", program::figure(trail.off_curve),
-                       program::figure(std::abs(trail.energy_error))),
-           pen.theme().muted, draw::Font::small);
-  Canvas canvas(pen, {area.left, area.top + 38.0, area.width, area.height - 38.0}, view);
+  Canvas canvas(pen, draw_heading(pen, area, title, trail.off_curve, trail.energy_error), view);
   canvas.axes("m");
   parabola::draw_track(canvas, scene, view);
   canvas.curve(trail.points, canvas.theme().velocity, 1.4);
@@ -202,6 +209,115 @@ Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
           }};
 }
 
+/// The parametric particle with a hand's force: the part of it along dx/dq = (1, −q/p) acts on q.
+class HeldParametric : public ParametricBead {
+ public:
+  HeldParametric(const Scene& scene, parabola::Hand hand)
+      : ParametricBead(scene), scene_(scene), hand_(std::move(hand)) {}
+
+  void acceleration(double t, double q, double qdot, double& qddot) const {
+    ParametricBead::acceleration(t, q, qdot, qddot);
+    const double p = scene_.p;
+    const Vector2d F = hand_(x(q), v(q, qdot));
+    qddot += p * p * (F.x() - q / p * F.y()) / (scene_.mass * (p * p + q * q));
+  }
+  measure::Measures measures(double t, double q, double qdot) const {
+    measure::Measures measures = ParametricBead::measures(t, q, qdot);
+    const Vector2d F = scene_.applied_force() + hand_(x(q), v(q, qdot));
+    measures.drive = F.norm() / std::sqrt(scene_.mass);
+    return measures;
+  }
+
+ private:
+  Scene scene_;
+  parabola::Hand hand_;
+};
+
+/// Both descriptions side by side.
+class PairStage final : public program::Stage {
+ public:
+  PairStage(const Scene& scene, const RunOptions& run)
+      : Stage(run),
+        scene_(scene),
+        implicit_(parabola::HeldBead(scene, 0.0, 0.0, hand(0)), run.method),
+        parametric_(HeldParametric(scene, hand(1)), run.method) {
+    add(implicit_, "implicit");
+    add(parametric_, "parametric");
+    begin(parabola::view(scene, {scene, run.duration}, 0.03, 0.06));
+  }
+
+  std::string title() const override { return "The same motion in two descriptions"; }
+  std::string caption() override {
+    return fmt::format("t = {:.3f} s, {}, step {:g} s{}", time(), run().method.label(), run().step,
+                       undisturbed() ? "; the ring is the exact place." : ".");
+  }
+
+ private:
+  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
+    std::optional<Vector2d> exact;
+    if (undisturbed()) {
+      const double q = parabola::ExactMotion(scene_).at(time()).q;
+      exact = Vector2d(q, scene_.height(q));
+    }
+    const double gap = show.numbers ? 24.0 : 4.0, width = 0.5 * (area.width - gap);
+    draw_side(pen, {area.left, area.top, width, area.height}, 0, exact, show);
+    draw_side(pen, {area.left + width + gap, area.top, width, area.height}, 1, exact, show);
+  }
+
+  void draw_side(draw::Pen& pen, draw::Rect area, std::size_t side,
+                 const std::optional<Vector2d>& exact, const program::Show& show) {
+    if (show.numbers) {
+      const program::Stage::Errors errors = errors_now(side);
+      area = draw_heading(pen, area, names()[side] + ", " + run().method.label(), errors.constraint,
+                          errors.energy);
+    }
+    Canvas canvas(pen, area, view());
+    open(canvas, show);
+    parabola::draw_track(canvas, scene_, view());
+    if (show.trail) canvas.curve(trail(side), canvas.theme().velocity, 1.4);
+    if (exact) canvas.bead(point(*exact), 10.0, draw::transparent, canvas.theme().constraint_force);
+    const Vector2d x = side == 0 ? place(implicit_) : place(parametric_);
+    if (show.forces) {
+      const double longest = 0.16 * (view().right - view().left);
+      canvas.arrow(point(x), point(longest / largest_force() * curve_force(side)),
+                   canvas.theme().constraint_force);
+    }
+    parabola::draw_bead(canvas, x);
+    if (show.names)
+      canvas.label(point(x), "particle", canvas.theme().ink, draw::Font::bold, draw::Align::left,
+                   {14.0, 14.0});
+  }
+
+  static Vector2d place(const measure::Motion<parabola::HeldBead>& motion) { return motion.q(); }
+  static Vector2d place(const measure::Motion<HeldParametric>& motion) {
+    return motion.model().x(motion.q());
+  }
+  Vector2d curve_force(std::size_t side) {
+    const measure::Row row = side == 0 ? implicit_.row() : parametric_.row();
+    return {row.reactions[0], row.reactions[1]};
+  }
+  parabola::Hand hand(std::size_t side) {
+    return [this, side](const Vector2d& x, const Vector2d& v) {
+      const draw::Point F = spring_force(side, point(x), point(v));
+      return Vector2d(F.x, F.y);
+    };
+  }
+
+  std::vector<draw::Point> marks() const override {
+    return {point(place(implicit_)), point(place(parametric_))};
+  }
+  double force() override { return std::max(curve_force(0).norm(), curve_force(1).norm()); }
+  std::vector<Outline> outlines() const override {
+    return {{.center = point(place(implicit_)), .canvas = 0},
+            {.center = point(place(parametric_)), .canvas = 1}};
+  }
+  Mass hold(std::size_t, draw::Point) override { return {scene_.mass, scene_.mass}; }
+
+  Scene scene_;
+  measure::Motion<parabola::HeldBead> implicit_;
+  measure::Motion<HeldParametric> parametric_;
+};
+
 }  // namespace
 
 std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
@@ -209,15 +325,8 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
           turned_off_picture(scene, run)};
 }
 
-Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
-  const std::string name(integrators::method(run.method.integrator).text);
-  const Pair both = pair(scene, run.method.integrator, t, run.step);
-  const std::string caption =
-      fmt::format("t = {:g} s, step {:g} s; the ring is the exact place.", t, run.step);
-  return {fmt::format("at_{}s", t), [=](draw::Pen& pen) {
-            draw_rows(pen, draw::page(pen, "The same motion in two descriptions", caption), scene,
-                      {{name, both}}, t);
-          }};
+std::unique_ptr<program::Stage> stage(const Scene& scene, const RunOptions& run) {
+  return std::make_unique<PairStage>(scene, run);
 }
 
 }  // namespace parametric_lagrangian

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "parabola/scene.hpp"
 #include "program/options.hpp"
 #include "program/pictures.hpp"
+#include "program/stage.hpp"
 
 namespace parametric_lagrangian {
 
@@ -12,7 +14,7 @@ namespace parametric_lagrangian {
 std::vector<program::Picture> pictures(const parabola::Scene& scene,
                                        const program::RunOptions& run);
 
-/// Both methods side by side at t [s].
-program::Picture picture_at(const parabola::Scene& scene, const program::RunOptions& run, double t);
+/// Both methods in motion, side by side.
+std::unique_ptr<program::Stage> stage(const parabola::Scene& scene, const program::RunOptions& run);
 
 }  // namespace parametric_lagrangian

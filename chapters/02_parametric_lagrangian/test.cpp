@@ -204,8 +204,9 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
     const program::RunOptions run{.duration = 1.0, .step = 0.01};
     for (const auto& picture : parametric_lagrangian::pictures(scene, run))
       CHECK_NOTHROW(draw::render({.scale = 0.5}, picture.draw));
-    CHECK_NOTHROW(draw::render({.width = 480, .height = 300},
-                               parametric_lagrangian::picture_at(scene, run, 0.5).draw));
+    CHECK_NOTHROW(
+        draw::render({.width = 480, .height = 300},
+                     program::picture_at(parametric_lagrangian::stage(scene, run), 0.5).draw));
   }
 }
 

@@ -24,9 +24,10 @@ int main(int argc, char** argv) {
   chapter.parameters = {
       {"--x1", "m", "start of bead1, at rest", &scene.x1, program::any},
       {"--x2", "m", "start of bead2, at rest", &scene.x2, program::any},
-      {"--m1", "kg", "mass of bead1", &scene.m1, program::positive},
-      {"--m2", "kg", "mass of bead2", &scene.m2, program::positive},
-      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative},
+      {"--m1", "kg", "mass of bead1", &scene.m1, program::positive, program::acts},
+      {"--m2", "kg", "mass of bead2", &scene.m2, program::positive, program::acts},
+      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative,
+       program::acts},
       {"--p", "m", "half the parameter of the parabola x² + 2py = 0", &scene.p, program::positive},
   };
   chapter.defaults = {.duration = 20.0, .step = 0.01};
@@ -51,9 +52,7 @@ int main(int argc, char** argv) {
   chapter.pictures = [&scene](const program::RunOptions& run) {
     return dumbbell::pictures(scene, run);
   };
-  chapter.picture_at = [&scene](const program::RunOptions& run, double t) {
-    return dumbbell::picture_at(scene, run, t);
-  };
+  chapter.stage = [&scene](const program::RunOptions& run) { return dumbbell::stage(scene, run); };
 #endif
   return program::run_chapter(argc, argv, chapter);
 }

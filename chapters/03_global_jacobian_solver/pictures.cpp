@@ -12,6 +12,7 @@
 #include "parabola/implicit_bead.hpp"
 #include "parabola/pictures.hpp"
 #include "program/jacobian.hpp"
+#include "program/mechanism_stage.hpp"
 #include "turned_off.hpp"
 
 namespace dumbbell {
@@ -320,6 +321,46 @@ Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
                                 drifts, "m²");
 }
 
+class DumbbellStage final : public program::MechanismStage {
+ public:
+  DumbbellStage(const Scene& scene, const RunOptions& run)
+      : MechanismStage(run, make_mechanism(scene, run.method)), scene_(scene) {
+    begin(dumbbell::view(scene, run.duration));
+  }
+
+  std::string title() const override { return "Two beads on a curve, joined by a rod"; }
+  std::string caption() override {
+    return fmt::format(
+        "t = {:.3f} s: bead1 at x = {:.3f} m, bead2 at x = {:.3f} m, |C| = {} m² ({}, step {:g} "
+        "s).",
+        time(), motion.q()[0], motion.q()[2], figure(motion.measures().constraint_error),
+        run().method.label(), run().step);
+  }
+
+ private:
+  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
+    Canvas canvas(pen, area, view());
+    open(canvas, show);
+    draw_track(canvas, scene_, view());
+    if (show.trail)
+      for (const std::size_t bead : {0, 1})
+        canvas.curve(trail(bead), canvas.theme().velocity, 2.0, draw::Dash::dotted);
+    const Instant instant = now(motion);
+    if (show.forces)
+      draw_forces(canvas, instant, force_scale(largest_force(), view(), 0.2), show.numbers);
+    draw_dumbbell(canvas, instant);
+    if (show.names) draw_names(canvas);
+  }
+
+  std::vector<draw::Point> marks() const override {
+    return {{motion.q()[0], motion.q()[1]}, {motion.q()[2], motion.q()[3]}};
+  }
+  double force() override { return dumbbell::largest_force(now(motion)); }
+  draw::Point half_size(const dynamics::ThingInfo&) const override { return {}; }
+
+  Scene scene_;
+};
+
 }  // namespace
 
 std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
@@ -329,33 +370,8 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
           turned_off_picture(scene, run)};
 }
 
-Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
-  Motion beads = motion(scene, run.method);
-  std::vector<draw::Point> trails[2];
-  constexpr int pieces = 400;
-  for (int i = 0; i <= pieces; ++i) {
-    advance_to(beads, t * i / pieces, run.step);
-    trails[0].push_back({beads.q()[0], beads.q()[1]});
-    trails[1].push_back({beads.q()[2], beads.q()[3]});
-  }
-  const Instant instant = now(beads);
-  const draw::View seen = view(scene, std::max(t, run.duration));
-  const double scale = force_scale(largest_force(instant), seen, 0.2);
-  const std::string caption = fmt::format(
-      "t = {:.3f} s: bead1 at x = {:.3f} m, bead2 at x = {:.3f} m, |C| = {} m² ({}, "
-      "step {:g} s).",
-      instant.t, instant.x1.x(), instant.x2.x(), figure(beads.measures().constraint_error),
-      run.method.label(), run.step);
-  return {fmt::format("at_{:g}s", t), [=](draw::Pen& pen) {
-            Canvas canvas(pen, draw::page(pen, "Two beads on a curve, joined by a rod", caption),
-                          seen);
-            canvas.axes("m");
-            draw_track(canvas, scene, seen);
-            for (const auto& trail : trails)
-              canvas.curve(trail, canvas.theme().velocity, 2.0, draw::Dash::dotted);
-            draw_forces(canvas, instant, scale, true);
-            draw_dumbbell(canvas, instant);
-          }};
+std::unique_ptr<program::Stage> stage(const Scene& scene, const RunOptions& run) {
+  return std::make_unique<DumbbellStage>(scene, run);
 }
 
 }  // namespace dumbbell

@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
   const program::Range length{-1e6, 1e6};
   chapter.parameters = {
       {"--load", "N", "largest load at the right edge's midpoint, load·sin 2t", &scene.load,
-       program::any},
+       program::any, program::acts},
       {"--offset-x", "m", "start off the place, along x", &scene.offset_x, length},
       {"--offset-y", "m", "start off the place, along y", &scene.offset_y, length},
       {"--offset-theta", "rad", "start turned", &scene.offset_theta, length},
@@ -68,9 +68,7 @@ int main(int argc, char** argv) {
 
 #ifdef TUTORIAL_PICTURES
   chapter.pictures = [&](const program::RunOptions& run) { return ground::pictures(scene, run); };
-  chapter.picture_at = [&](const program::RunOptions& run, double t) {
-    return ground::picture_at(scene, run, t);
-  };
+  chapter.stage = [&](const program::RunOptions& run) { return ground::stage(scene, run); };
 #endif
   return program::run_chapter(argc, argv, chapter);
 }

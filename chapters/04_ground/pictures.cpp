@@ -9,6 +9,7 @@
 #include "draw/page.hpp"
 #include "exact.hpp"
 #include "integrators/amplification.hpp"
+#include "program/mechanism_stage.hpp"
 
 namespace ground {
 namespace {
@@ -55,44 +56,54 @@ void draw_plate(Canvas& canvas, const Eigen::Vector3d& q, double presence) {
              canvas.theme().body.faded(presence), canvas.theme().body_edge);
 }
 
-/// Weight, load and reaction as arrows, and the reaction's moment in words.
-void draw_forces(Canvas& canvas, const Scene& scene, const Instant& at) {
+/// The largest of weight, load and reaction [N].
+double largest(const Scene& scene, const Instant& at) {
+  return std::max(
+      {scene.mass * scene.gravity, std::abs(scene.load_at(at.t)), at.reaction.head<2>().norm()});
+}
+
+/// Weight, load and reaction as arrows, the largest of them 0.38 m long, and the reaction's moment
+/// in words.
+void draw_forces(Canvas& canvas, const Scene& scene, const Instant& at, double largest,
+                 bool labelled = true) {
   const auto& theme = canvas.theme();
   const double load = scene.load_at(at.t), weight = scene.mass * scene.gravity;
-  const double scale = 0.38 / std::max({weight, std::abs(load), at.reaction.head<2>().norm()});
+  const double scale = 0.38 / largest;
+  const auto label = [&](const std::string& text) { return labelled ? text : std::string(); };
   const Point centre{at.q.x(), at.q.y()};
   const Point edge{at.q.x() + 0.5 * scene.width * std::cos(at.q.z()),
                    at.q.y() + 0.5 * scene.width * std::sin(at.q.z())};
-  canvas.arrow(centre, {0.0, scale * weight}, theme.weight, fmt::format("weight {:.2f} N", weight));
+  canvas.arrow(centre, {0.0, scale * weight}, theme.weight,
+               label(fmt::format("weight {:.2f} N", weight)));
   canvas.arrow(edge, {0.0, scale * load}, theme.applied_force);
-  canvas.label(edge, fmt::format("load {:.2f} N", std::abs(load)), theme.applied_force,
+  canvas.label(edge, label(fmt::format("load {:.2f} N", std::abs(load))), theme.applied_force,
                draw::Font::text, draw::Align::left, {14.0, 14.0});
-  canvas.arrow(
-      centre, {scale * at.reaction.x(), scale * at.reaction.y()}, theme.constraint_force,
-      fmt::format("reaction {:.2f} N, {:+.2f} N·m", at.reaction.head<2>().norm(), at.reaction.z()));
+  canvas.arrow(centre, {scale * at.reaction.x(), scale * at.reaction.y()}, theme.constraint_force,
+               label(fmt::format("reaction {:.2f} N, {:+.2f} N·m", at.reaction.head<2>().norm(),
+                                 at.reaction.z())));
 }
 
-Picture plate_picture(const std::string& name, const std::string& title, const std::string& caption,
-                      const Scene& scene, const Instant& at) {
-  return {name, [=](draw::Pen& pen) {
-            Canvas canvas(pen, draw::page(pen, title, caption), view(scene));
-            canvas.axes("m");
-            canvas.ground({0.0, 0.5 * scene.height}, 0.0,
-                          1.1 * scene.width * canvas.points_per_metre());
-            draw_plate(canvas, at.q, 0.6);
-            draw_forces(canvas, scene, at);
-          }};
+constexpr const char* plate_title = "A plate held by the ground";
+
+void draw_held_plate(Canvas& canvas, const Scene& scene, const Eigen::Vector3d& q) {
+  canvas.ground({0.0, 0.5 * scene.height}, 0.0, 1.1 * scene.width * canvas.points_per_metre());
+  draw_plate(canvas, q, 0.6);
 }
 
 Picture scene_picture(const Scene& scene) {
   Motion plate = motion(scene, {});
   plate.advance(40, 0.01);
   const Instant at = now(plate);
-  return plate_picture("scene", "A plate held by the ground",
-                       fmt::format("At t = {:g} s the load is {:.2f} N; the reaction is minus "
-                                   "weight and load, and minus their moment.",
-                                   at.t, scene.load_at(at.t)),
-                       scene, at);
+  const std::string caption = fmt::format(
+      "At t = {:g} s the load is {:.2f} N; the reaction is minus weight and load, and minus their "
+      "moment.",
+      at.t, scene.load_at(at.t));
+  return {"scene", [=](draw::Pen& pen) {
+            Canvas canvas(pen, draw::page(pen, plate_title, caption), view(scene));
+            canvas.axes("m");
+            draw_held_plate(canvas, scene, at.q);
+            draw_forces(canvas, scene, at, largest(scene, at));
+          }};
 }
 
 Picture reaction_picture(const Scene& scene, const RunOptions& run) {
@@ -222,6 +233,39 @@ Picture step_picture() {
           }};
 }
 
+class PlateStage final : public program::MechanismStage {
+ public:
+  PlateStage(const Scene& scene, const RunOptions& run)
+      : MechanismStage(run, make_mechanism(scene, run.method)), scene_(scene) {
+    begin(ground::view(scene));
+  }
+
+  std::string title() const override { return plate_title; }
+  std::string caption() override {
+    return fmt::format("t = {:.3f} s: off its place by {} ({}, step {:g} s).", time(),
+                       program::figure(motion.measures().constraint_error), run().method.label(),
+                       run().step);
+  }
+
+ private:
+  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
+    Canvas canvas(pen, area, view());
+    open(canvas, show);
+    if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.6, draw::Dash::dotted);
+    draw_held_plate(canvas, scene_, now(motion).q);
+    if (show.forces) draw_forces(canvas, scene_, now(motion), largest_force(), show.numbers);
+    if (show.names) draw_names(canvas);
+  }
+
+  std::vector<Point> marks() const override { return {{motion.q()[0], motion.q()[1]}}; }
+  double force() override { return largest(scene_, now(motion)); }
+  Point half_size(const dynamics::ThingInfo&) const override {
+    return {0.5 * scene_.width, 0.5 * scene_.height};
+  }
+
+  Scene scene_;
+};
+
 }  // namespace
 
 std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
@@ -240,16 +284,8 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
           step_picture()};
 }
 
-Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
-  Motion plate = motion(scene, run.method);
-  const long steps = std::lround(t / run.step);
-  if (steps > 0) plate.advance(steps, run.step);
-  const Instant at = now(plate);
-  return plate_picture(
-      fmt::format("at_{}s", t), "A plate held by the ground",
-      fmt::format("t = {:.3f} s: off its place by {} ({}, step {:g} s).", at.t,
-                  program::figure(plate.measures().constraint_error), run.method.label(), run.step),
-      scene, at);
+std::unique_ptr<program::Stage> stage(const Scene& scene, const RunOptions& run) {
+  return std::make_unique<PlateStage>(scene, run);
 }
 
 }  // namespace ground

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "program/options.hpp"
 #include "program/pictures.hpp"
+#include "program/stage.hpp"
 #include "scene.hpp"
 
 namespace ground {
@@ -11,7 +13,7 @@ namespace ground {
 /// The pictures of the lesson: scene, reaction, decay, turned_off.
 std::vector<program::Picture> pictures(const Scene& scene, const program::RunOptions& run);
 
-/// The plate at t [s], with its forces.
-program::Picture picture_at(const Scene& scene, const program::RunOptions& run, double t);
+/// The plate in motion, with its forces.
+std::unique_ptr<program::Stage> stage(const Scene& scene, const program::RunOptions& run);
 
 }  // namespace ground

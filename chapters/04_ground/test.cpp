@@ -216,8 +216,8 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
     const program::RunOptions run{.duration = 0.5, .step = 0.05};
     for (const auto& picture : ground::pictures(scene, run))
       CHECK_NOTHROW(draw::render({.scale = 0.5}, picture.draw));
-    CHECK_NOTHROW(
-        draw::render({.width = 480, .height = 300}, ground::picture_at(scene, run, 0.2).draw));
+    CHECK_NOTHROW(draw::render({.width = 480, .height = 300},
+                               program::picture_at(ground::stage(scene, run), 0.2).draw));
   }
 }
 

@@ -45,12 +45,13 @@ int main(int argc, char** argv) {
 
   const program::Range lengths{1e-6, 1e6}, angles{-100.0, 100.0};
   chapter.parameters = {
-      {"--links", "", "rods in the chain", &scene.links, {1, 1000}, true},
+      {"--links", "", "rods in the chain", &scene.links, {1, 1000}, program::whole},
       {"--length", "m", "of all rods together", &scene.length, lengths},
-      {"--mass", "kg", "of all rods together", &scene.mass, program::positive},
+      {"--mass", "kg", "of all rods together", &scene.mass, program::positive, program::acts},
       {"--angle0", "rad", "start, at rest: from +x towards +y, which is down", &scene.angle0,
        angles},
-      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative},
+      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative,
+       program::acts},
   };
   chapter.defaults = {.duration = 5.0, .step = 0.005};
 
@@ -74,9 +75,7 @@ int main(int argc, char** argv) {
   chapter.pictures = [&scene](const program::RunOptions& run) {
     return revolute::pictures(scene, run);
   };
-  chapter.picture_at = [&scene](const program::RunOptions& run, double t) {
-    return revolute::picture_at(scene, run, t);
-  };
+  chapter.stage = [&scene](const program::RunOptions& run) { return revolute::stage(scene, run); };
 #endif
   return program::run_chapter(argc, argv, chapter);
 }

@@ -8,6 +8,7 @@
 
 #include "draw/canvas.hpp"
 #include "draw/page.hpp"
+#include "program/mechanism_stage.hpp"
 #include "turned_off.hpp"
 
 namespace revolute {
@@ -330,6 +331,46 @@ Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
                                 drifts, "m");
 }
 
+class ChainStage final : public program::MechanismStage {
+ public:
+  ChainStage(const Scene& scene, const RunOptions& run)
+      : MechanismStage(run, make_mechanism(scene, run.method)), scene_(scene) {
+    const double reach = 1.1 * scene.length;
+    begin({-reach, -reach, reach, reach});
+  }
+
+  std::string title() const override { return "Rods on pins"; }
+  std::string caption() override {
+    return fmt::format("t = {:.3f} s: pin force {:.2f} N, |C| = {} m ({}, step {:g} s).", time(),
+                       now(scene_, motion).pin_force.norm(),
+                       program::figure(motion.measures().constraint_error), run().method.label(),
+                       run().step);
+  }
+
+ private:
+  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
+    Canvas canvas(pen, area, view());
+    open(canvas, show);
+    const Instant instant = now(scene_, motion);
+    if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.6, draw::Dash::dotted);
+    draw_chain(canvas, instant, 9.0, 1.0);
+    if (show.forces)
+      canvas.arrow({0.0, 0.0}, point(force_scale(scene_, largest_force(), 0.4) * instant.pin_force),
+                   canvas.theme().constraint_force,
+                   show.numbers ? fmt::format("pin force {:.2f} N", instant.pin_force.norm()) : "");
+    canvas.pin({0.0, 0.0});
+    if (show.names) draw_names(canvas);
+  }
+
+  std::vector<draw::Point> marks() const override {
+    return {point(end_of_rod(scene_, motion.q(), scene_.N() - 1))};
+  }
+  double force() override { return now(scene_, motion).pin_force.norm(); }
+  draw::Point half_size(const dynamics::ThingInfo&) const override { return {scene_.l() / 2, 0.0}; }
+
+  Scene scene_;
+};
+
 }  // namespace
 
 std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
@@ -369,32 +410,8 @@ Picture cost_picture(const CostTable& costs) {
           }};
 }
 
-Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
-  Motion rods = motion(scene, run.method);
-  std::vector<draw::Point> trail{point(now(scene, rods).end())};
-  constexpr int pieces = 400;
-  for (int i = 1; i <= pieces; ++i) {
-    advance_to(rods, t * i / pieces, run.step);
-    trail.push_back(point(now(scene, rods).end()));
-  }
-  const Instant instant = now(scene, rods);
-  const double L = scene.length;
-  const draw::View view{-1.1 * L, -1.1 * L, 1.1 * L, 1.1 * L};
-  const double scale = force_scale(scene, instant.pin_force.norm(), 0.4);
-  const std::string caption =
-      fmt::format("t = {:.3f} s: pin force {:.2f} N, |C| = {} m ({}, step {:g} s).", instant.t,
-                  instant.pin_force.norm(), program::figure(rods.measures().constraint_error),
-                  run.method.label(), run.step);
-  return {fmt::format("at_{:g}s", t), [=](draw::Pen& pen) {
-            Canvas canvas(pen, draw::page(pen, "Rods on pins", caption), view);
-            canvas.axes("m");
-            canvas.curve(trail, canvas.theme().velocity, 1.6, draw::Dash::dotted);
-            draw_chain(canvas, instant, 9.0, 1.0);
-            canvas.arrow({0.0, 0.0}, point(scale * instant.pin_force),
-                         canvas.theme().constraint_force,
-                         fmt::format("pin force {:.2f} N", instant.pin_force.norm()));
-            canvas.pin({0.0, 0.0});
-          }};
+std::unique_ptr<program::Stage> stage(const Scene& scene, const RunOptions& run) {
+  return std::make_unique<ChainStage>(scene, run);
 }
 
 }  // namespace revolute

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "cost.hpp"
 #include "program/options.hpp"
 #include "program/pictures.hpp"
+#include "program/stage.hpp"
 #include "scene.hpp"
 
 namespace revolute {
@@ -15,7 +17,7 @@ std::vector<program::Picture> pictures(const Scene& scene, const program::RunOpt
 /// The cost of a step against the number of links.
 program::Picture cost_picture(const CostTable& costs);
 
-/// The scene at t [s], with the pin force and the trail of the free end.
-program::Picture picture_at(const Scene& scene, const program::RunOptions& run, double t);
+/// The rods in motion, with the pin force and the trail of the free end.
+std::unique_ptr<program::Stage> stage(const Scene& scene, const program::RunOptions& run);
 
 }  // namespace revolute

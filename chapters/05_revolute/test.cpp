@@ -492,7 +492,7 @@ TEST_CASE("the pictures of the lesson are those that the program draws") {
 
 TEST_CASE("the comparison of pictures sees a rod that has moved") {
   const auto render = [](const Scene& scene) {
-    return draw::render({}, revolute::picture_at(scene, defaults, 0.2).draw);
+    return draw::render({}, program::picture_at(revolute::stage(scene, defaults), 0.2).draw);
   };
   CHECK(picture_check::alike(draw::difference(render({}), render({}))));
   CHECK_FALSE(picture_check::alike(draw::difference(render({}), render({.angle0 = 0.01}))));
@@ -507,8 +507,9 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
     for (const auto& picture :
          revolute::pictures(scene, {.duration = 200 * run.step, .step = run.step}))
       CHECK_NOTHROW(draw::render({.scale = 0.5}, picture.draw));
-    CHECK_NOTHROW(draw::render({.width = 480, .height = 300},
-                               revolute::picture_at(scene, run, 50 * run.step).draw));
+    CHECK_NOTHROW(
+        draw::render({.width = 480, .height = 300},
+                     program::picture_at(revolute::stage(scene, run), 50 * run.step).draw));
   }
 }
 

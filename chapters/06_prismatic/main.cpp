@@ -27,9 +27,9 @@ int main(int argc, char** argv) {
   chapter.parameters = {
       {"--incline", "deg", "of the fixed rail; positive: down to the right", &scene.incline,
        inclines},
-      {"--mass", "kg", "of the block", &scene.mass, program::positive},
+      {"--mass", "kg", "of the block", &scene.mass, program::positive, program::acts},
       {"--gravity", "m/s²", "gravity, downwards; on the fixed rail only", &scene.gravity,
-       program::not_negative},
+       program::not_negative, program::acts},
       {"--spin", "rad/s", "of a free rail at the start, for example 5; 0: it is fixed", &scene.spin,
        spins},
   };
@@ -55,9 +55,7 @@ int main(int argc, char** argv) {
   chapter.pictures = [&scene](const program::RunOptions& run) {
     return prismatic::pictures(scene, run);
   };
-  chapter.picture_at = [&scene](const program::RunOptions& run, double t) {
-    return prismatic::picture_at(scene, run, t);
-  };
+  chapter.stage = [&scene](const program::RunOptions& run) { return prismatic::stage(scene, run); };
 #endif
   return program::run_chapter(argc, argv, chapter);
 }

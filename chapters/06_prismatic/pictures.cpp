@@ -7,6 +7,7 @@
 
 #include "draw/canvas.hpp"
 #include "draw/page.hpp"
+#include "program/mechanism_stage.hpp"
 #include "turned_off.hpp"
 
 namespace prismatic {
@@ -292,6 +293,68 @@ Picture turned_off_picture(const Scene& given, const RunOptions& run) {
                                 "m or rad");
 }
 
+/// How far from (0, 0) the block is after some time: exact on the incline, at most so far on the
+/// rail that turns.
+double reach(const Scene& scene, double t) {
+  return scene.spins() ? scene.r0 * std::hypot(1.0, scene.spin * t)
+                       : 0.5 * scene.gravity * std::abs(std::sin(scene.angle())) * t * t;
+}
+
+class BlockStage final : public program::MechanismStage {
+ public:
+  BlockStage(const Scene& scene, const RunOptions& run)
+      : MechanismStage(run, make_mechanism(scene, run.method)), scene_(scene) {
+    const double far = reach(scene, run.duration);
+    std::vector<draw::Point> seen{{-0.5, -0.5}, {0.5, 0.5}};
+    if (scene.spins()) {
+      seen.push_back({-far, -far});
+      seen.push_back({far, far});
+    } else {
+      seen.push_back(
+          point(scene.incline < 0.0 ? -far * along(scene.angle()) : far * along(scene.angle())));
+    }
+    begin(view_of(seen, 0.12));
+  }
+
+  std::string title() const override { return "A block on a rail"; }
+  std::string caption() override {
+    const Instant instant = now(motion);
+    return fmt::format("t = {:.3f} s: block at ({:.3f}, {:.3f}) m, |C| = {} ({}, step {:g} s).",
+                       time(), instant.x.x(), instant.x.y(),
+                       program::figure(motion.measures().constraint_error), run().method.label(),
+                       run().step);
+  }
+
+ private:
+  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
+    Canvas canvas(pen, area, view());
+    open(canvas, show);
+    const Instant instant = now(motion);
+    draw_rail(canvas, {0.0, 0.0}, instant.theta, 3.0 * size_of(view()), 1.0, 2.4);
+    if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.6, draw::Dash::dotted);
+    draw_block(canvas, instant, 1.0);
+    if (show.forces)
+      canvas.arrow(point(instant.x),
+                   point(force_scale(largest_force(), 0.2 * size_of(view())) * instant.force),
+                   canvas.theme().constraint_force,
+                   show.numbers ? fmt::format("reaction {:.2f} N", instant.force.norm()) : "");
+    if (scene_.spins()) canvas.pin({0.0, 0.0});
+    if (show.names) draw_names(canvas);
+  }
+
+  std::vector<draw::Point> marks() const override {
+    const Eigen::Index block = motion.q().size() - 3;
+    return {{motion.q()[block], motion.q()[block + 1]}};
+  }
+  double force() override { return now(motion).force.norm(); }
+  draw::Point half_size(const dynamics::ThingInfo& thing) const override {
+    if (thing.name == "rail") return {0.5, 0.0};
+    return {0.5 * scene_.width, 0.5 * scene_.height};
+  }
+
+  Scene scene_;
+};
+
 }  // namespace
 
 std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
@@ -300,38 +363,8 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
       drift_picture(scene, run), stabilization_picture(scene, run), turned_off_picture(scene, run)};
 }
 
-Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
-  Motion block = motion(scene, run.method);
-  std::vector<draw::Point> trail{point(now(block).x)};
-  constexpr int pieces = 400;
-  for (int i = 1; i <= pieces; ++i) {
-    advance_to(block, t * i / pieces, run.step);
-    trail.push_back(point(now(block).x));
-  }
-  const Instant instant = now(block);
-  const draw::View view = [&] {
-    std::vector<draw::Point> seen = trail;
-    seen.push_back({-0.5, -0.5});
-    seen.push_back({0.5, 0.5});
-    return view_of(seen, 0.12);
-  }();
-  const double scale = force_scale(instant.force.norm(), 0.2 * size_of(view));
-  const std::string caption =
-      fmt::format("t = {:.3f} s: block at ({:.3f}, {:.3f}) m, |C| = {} ({}, step {:g} s).",
-                  instant.t, instant.x.x(), instant.x.y(),
-                  program::figure(block.measures().constraint_error), run.method.label(), run.step);
-  const bool spins = scene.spins();
-  return {fmt::format("at_{:g}s", t), [=](draw::Pen& pen) {
-            Canvas canvas(pen, draw::page(pen, "A block on a rail", caption), view);
-            canvas.axes("m");
-            draw_rail(canvas, {0.0, 0.0}, instant.theta, 3.0 * size_of(view), 1.0, 2.4);
-            canvas.curve(trail, canvas.theme().velocity, 1.6, draw::Dash::dotted);
-            draw_block(canvas, instant, 1.0);
-            canvas.arrow(point(instant.x), point(scale * instant.force),
-                         canvas.theme().constraint_force,
-                         fmt::format("reaction {:.2f} N", instant.force.norm()));
-            if (spins) canvas.pin({0.0, 0.0});
-          }};
+std::unique_ptr<program::Stage> stage(const Scene& scene, const RunOptions& run) {
+  return std::make_unique<BlockStage>(scene, run);
 }
 
 }  // namespace prismatic

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "program/options.hpp"
 #include "program/pictures.hpp"
+#include "program/stage.hpp"
 #include "scene.hpp"
 
 namespace prismatic {
@@ -12,7 +14,7 @@ namespace prismatic {
 /// spinning rail take 5 rad/s where the scene does not spin.
 std::vector<program::Picture> pictures(const Scene& scene, const program::RunOptions& run);
 
-/// The scene at t [s], with the rail's force and the trail of the block.
-program::Picture picture_at(const Scene& scene, const program::RunOptions& run, double t);
+/// The block in motion, with the rail's force and its trail.
+std::unique_ptr<program::Stage> stage(const Scene& scene, const program::RunOptions& run);
 
 }  // namespace prismatic

@@ -322,7 +322,7 @@ TEST_CASE("the pictures of the lesson are those that the program draws") {
 
 TEST_CASE("the comparison of pictures sees a block that has moved") {
   const auto render = [](double t) {
-    return draw::render({}, prismatic::picture_at({}, defaults, t).draw);
+    return draw::render({}, program::picture_at(prismatic::stage({}, defaults), t).draw);
   };
   CHECK(picture_check::alike(draw::difference(render(0.4), render(0.4))));
   CHECK_FALSE(picture_check::alike(draw::difference(render(0.4), render(0.42))));
@@ -336,8 +336,8 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
     const program::RunOptions run{.duration = 0.01, .step = 1e-4};
     for (const auto& picture : prismatic::pictures(scene, run))
       CHECK_NOTHROW(draw::render({.scale = 0.5}, picture.draw));
-    CHECK_NOTHROW(
-        draw::render({.width = 480, .height = 300}, prismatic::picture_at(scene, run, 0.005).draw));
+    CHECK_NOTHROW(draw::render({.width = 480, .height = 300},
+                               program::picture_at(prismatic::stage(scene, run), 0.005).draw));
   }
 }
 

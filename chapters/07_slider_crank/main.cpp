@@ -22,19 +22,22 @@ int main(int argc, char** argv) {
       {"--crank", "m", "from the wheel's centre to the crank pin", &scene.crank, program::positive},
       {"--rod", "m", "length of the rod, at least the crank", &scene.rod, program::positive},
       {"--torque", "N·m", "on the wheel, from outside; 0 switches it off", &scene.torque,
-       program::any},
+       program::any, program::acts | program::switchable},
       {"--theta0", "rad", "angle of the crank at the start", &scene.theta0, angle},
       {"--omega0", "rad/s", "its rate at the start", &scene.omega0, program::any},
-      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative},
-      {"--wheel-mass", "kg", "mass of the wheel", &scene.wheel_mass, program::positive},
-      {"--rod-mass", "kg", "mass of the rod", &scene.rod_mass, program::positive},
-      {"--slider-mass", "kg", "mass of the slider", &scene.slider_mass, program::positive},
+      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative,
+       program::acts},
+      {"--wheel-mass", "kg", "mass of the wheel", &scene.wheel_mass, program::positive,
+       program::acts},
+      {"--rod-mass", "kg", "mass of the rod", &scene.rod_mass, program::positive, program::acts},
+      {"--slider-mass", "kg", "mass of the slider", &scene.slider_mass, program::positive,
+       program::acts},
       {"--simulate-frame",
        "",
        "1: the frame is a body held by a ground joint; 0: left out",
        &scene.simulate_frame,
        {0.0, 1.0},
-       true},
+       program::whole},
   };
   chapter.defaults = {.duration = 2.0, .step = 0.001};
   chapter.constraint_unit = "m or rad";
@@ -61,8 +64,8 @@ int main(int argc, char** argv) {
   chapter.pictures = [&scene](const program::RunOptions& run) {
     return slider_crank::pictures(scene, run);
   };
-  chapter.picture_at = [&scene](const program::RunOptions& run, double t) {
-    return slider_crank::picture_at(scene, run, t);
+  chapter.stage = [&scene](const program::RunOptions& run) {
+    return slider_crank::stage(scene, run);
   };
 #endif
   return program::run_chapter(argc, argv, chapter);

@@ -8,6 +8,7 @@
 
 #include "draw/canvas.hpp"
 #include "draw/page.hpp"
+#include "program/mechanism_stage.hpp"
 #include "turned_off.hpp"
 
 namespace slider_crank {
@@ -115,11 +116,12 @@ void draw_mechanism(Canvas& canvas, const Scene& scene, const Instant& at, bool 
 }
 
 /// Arrows of the four joint reactions, `metres` long where the force is `newtons`.
-void draw_forces(Canvas& canvas, const Instant& at, double newtons, double metres) {
+void draw_forces(Canvas& canvas, const Instant& at, double newtons, double metres,
+                 bool labelled = true) {
   const auto arrow = [&](const Vector2d& where, const Vector2d& force, std::size_t color,
                          const char* name) {
     canvas.arrow(point(where), point(metres / newtons * force), canvas.theme().series[color],
-                 fmt::format("{} {:.1f} N", name, force.norm()));
+                 labelled ? fmt::format("{} {:.1f} N", name, force.norm()) : "");
   };
   arrow(Vector2d::Zero(), at.forces.wheel_frame, 2, "wheel_frame");
   arrow(at.pin, at.forces.rod_wheel, 1, "rod_wheel");
@@ -355,6 +357,52 @@ Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
                                 drifts, "m");
 }
 
+class CrankStage final : public program::MechanismStage {
+ public:
+  CrankStage(const Scene& scene, const RunOptions& run, Bodies bodies = {})
+      : MechanismStage(run, make_mechanism(scene, run.method, &bodies)),
+        scene_(scene),
+        bodies_(bodies) {
+    begin(slider_crank::view(scene));
+  }
+
+  std::string title() const override { return "Slider-crank"; }
+  std::string caption() override {
+    return fmt::format("t = {:.3f} s: θ = {:.3f} rad, joints open by {} m ({}, step {:g} s).",
+                       time(), motion.q()[bodies_.wheel.column + 2],
+                       program::figure(motion.measures().constraint_error), run().method.label(),
+                       run().step);
+  }
+
+ private:
+  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
+    Canvas canvas(pen, area, view());
+    open(canvas, show);
+    const Instant at = now(scene_, motion, bodies_);
+    draw_mechanism(canvas, scene_, at, true);
+    if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.4, draw::Dash::dotted);
+    if (show.forces)
+      draw_forces(canvas, at, largest_force(), 0.4 * (scene_.crank + scene_.wheel_radius),
+                  show.numbers);
+    if (show.names) draw_names(canvas);
+  }
+
+  /// The middle of the rod.
+  std::vector<Point> marks() const override {
+    return {point(motion.q().segment<2>(bodies_.rod.column))};
+  }
+  double force() override { return largest(now(scene_, motion, bodies_).forces); }
+  Point half_size(const dynamics::ThingInfo& thing) const override {
+    if (thing.name == "wheel") return {scene_.wheel_radius, scene_.wheel_radius};
+    if (thing.name == "rod") return {0.5 * scene_.rod, 0.0};
+    if (thing.name == "slider") return {0.5 * scene_.slider_width, 0.5 * scene_.slider_height};
+    return {};
+  }
+
+  Scene scene_;
+  Bodies bodies_;
+};
+
 }  // namespace
 
 std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
@@ -364,24 +412,8 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
           turned_off_picture(scene, run)};
 }
 
-Picture picture_at(const Scene& scene, const RunOptions& run, double t) {
-  Bodies bodies;
-  program::Mechanism mechanism = make_mechanism(scene, run.method, &bodies);
-  Motion crank(std::move(mechanism), run.method);
-  const long steps = std::lround(t / run.step);
-  if (steps > 0) crank.advance(steps, run.step);
-  const Instant at = now(scene, crank, bodies);
-  const std::string caption = fmt::format(
-      "t = {:.3f} s: θ = {:.3f} rad, joints open by {} m ({}, step {:g} s).", at.t, at.theta,
-      program::figure(crank.measures().constraint_error), run.method.label(), run.step);
-  return {fmt::format("at_{}s", t), [=](draw::Pen& pen) {
-            draw::View seen = view(scene);
-            Canvas canvas(pen, draw::page(pen, "Slider-crank", caption), seen);
-            canvas.axes("m");
-            draw_mechanism(canvas, scene, at, true);
-            draw_forces(canvas, at, std::max(1e-300, largest(at.forces)),
-                        0.4 * (scene.crank + scene.wheel_radius));
-          }};
+std::unique_ptr<program::Stage> stage(const Scene& scene, const RunOptions& run) {
+  return std::make_unique<CrankStage>(scene, run);
 }
 
 }  // namespace slider_crank

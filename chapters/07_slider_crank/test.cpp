@@ -419,7 +419,7 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
     for (const auto& picture : slider_crank::pictures(scene, run))
       CHECK_NOTHROW(draw::render({.scale = 0.5}, picture.draw));
     CHECK_NOTHROW(draw::render({.width = 480, .height = 300},
-                               slider_crank::picture_at(scene, run, 0.02).draw));
+                               program::picture_at(slider_crank::stage(scene, run), 0.02).draw));
   }
 }
 

@@ -39,9 +39,8 @@ void Canvas::fit(const Rect& area) {
       std::min(area_.width / (view_.right - view_.left), area_.height / (view_.bottom - view_.top));
 }
 
-Point Canvas::to_page(double x, double y) const {
-  return area_.center() +
-         scale_ * Point{x - (view_.left + view_.right) / 2, y - (view_.top + view_.bottom) / 2};
+Lens Canvas::lens() const {
+  return {area_, {(view_.left + view_.right) / 2, (view_.top + view_.bottom) / 2}, scale_};
 }
 
 Point Canvas::page(Point world) {

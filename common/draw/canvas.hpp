@@ -12,6 +12,16 @@ struct View {
   double left, top, right, bottom;
 };
 
+/// Where the points of the world stand on the page, and the other way round.
+struct Lens {
+  Rect area;         ///< of the page, in points
+  Point center;      ///< of the world, in the middle of the area
+  double scale = 1;  ///< points in a metre
+
+  Point to_page(Point world) const { return area.center() + scale * (world - center); }
+  Point to_world(Point page) const { return center + 1 / scale * (page - area.center()); }
+};
+
 /// A scene in world coordinates (metres, x right, y down) on a rectangle of the page, with the same
 /// scale in x and y and `view` in the middle. Nothing is drawn outside the rectangle.
 class Canvas {
@@ -27,7 +37,8 @@ class Canvas {
   /// else throws std::logic_error.
   void axes(std::string_view unit);
 
-  Point to_page(double x, double y) const;
+  Lens lens() const;
+  Point to_page(double x, double y) const { return lens().to_page({x, y}); }
   double points_per_metre() const { return scale_; }
   const Theme& theme() const { return pen_.theme(); }
 

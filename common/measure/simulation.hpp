@@ -81,6 +81,9 @@ class Simulation {
   virtual void advance(long steps, double h) = 0;
   /// Pushes the state off its constraints: each coordinate by another part of `size` [m, rad].
   virtual void nudge(double size) = 0;
+  /// Goes on from the time and the state of another simulation of the same scene, which may have
+  /// another method or other loads.
+  virtual void take_over(const Simulation& other) = 0;
 
   virtual double time() const = 0;
   /// How often q̈ = a(t, q, v) was evaluated: the cost that no clock blurs.
@@ -179,6 +182,15 @@ class Motion final : public Simulation {
       q_ += size;
     else
       for (Eigen::Index i = 0; i < q_.size(); ++i) q_[i] += size * std::cos(static_cast<double>(i));
+  }
+
+  void take_over(const Simulation& other) override {
+    const auto& motion = dynamic_cast<const Motion&>(other);
+    integrator_.restart();
+    q_ = motion.q_;
+    v_ = motion.v_;
+    t_ = motion.t_;
+    h_ = 0.0;  // the next step counts its time from here
   }
 
   double time() const override { return t_; }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 
 #ifdef TUTORIAL_PICTURES
 #include "program/pictures.hpp"
+#include "program/stage.hpp"
 #endif
 
 namespace program {
@@ -51,8 +53,8 @@ struct Chapter {
 #ifdef TUTORIAL_PICTURES
   /// The pictures of the lesson; empty for a scene that has none, and no `snapshot`.
   std::function<std::vector<Picture>(const RunOptions&)> pictures;
-  /// The scene at time t [s], for --at.
-  std::function<Picture(const RunOptions&, double t)> picture_at;
+  /// The scene at its start, ready to move and to be looked at.
+  std::function<std::unique_ptr<Stage>(const RunOptions&)> stage;
 #endif
 };
 

@@ -28,6 +28,13 @@ inline constexpr Range any{};  ///< of either sign, |value| ≤ 1e12
 inline constexpr Range positive{1e-12, 1e12};
 inline constexpr Range not_negative{0.0, 1e12};
 
+/// What a number that the reader may choose can be besides.
+enum Trait : unsigned {
+  whole = 1,       ///< only whole numbers
+  acts = 2,        ///< changes the motion, neither the start nor a shape: it may while all moves
+  switchable = 4,  ///< 0 switches it off
+};
+
 /// One number that the reader may choose. It stays where the scene keeps it.
 struct Parameter {
   std::string option;  ///< "--x0"
@@ -35,12 +42,14 @@ struct Parameter {
   std::string help;
   double* value;  ///< holds the default
   Range allowed;
-  bool whole = false;  ///< only whole numbers
+  unsigned traits = 0;  ///< of those above, added up
+
+  bool is(Trait trait) const { return (traits & trait) != 0; }
 };
 
 /// Reads a number; throws UsageError naming the option where it is none or not allowed.
 double number(const std::string& option, const std::string& text, const Range& allowed,
-              bool whole = false);
+              bool only_whole = false);
 
 /// What the shared options say of one run.
 struct RunOptions {

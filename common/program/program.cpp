@@ -5,14 +5,23 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <tuple>
 
 #include "integrators/amplification.hpp"
 #include "measure/clock.hpp"
 #include "measure/watch.hpp"
+#include "program/advice.hpp"
 #include "program/chapter.hpp"
 #include "program/files.hpp"
 #include "program/progress.hpp"
 #include "program/report.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "program/snapshot.hpp"
+#endif
+#ifdef TUTORIAL_WINDOW
+#include "program/live.hpp"
+#endif
 
 namespace program {
 namespace {
@@ -31,8 +40,7 @@ struct Request {
   std::optional<double> ks, kd, tolerance;
   std::string out = ".";
 #ifdef TUTORIAL_PICTURES
-  draw::Page page;
-  std::vector<double> at;
+  Snapshot snapshot;
 #endif
 };
 
@@ -46,10 +54,10 @@ std::string with_unit(std::string unit) {
 
 CLI::Option* add_number(CLI::App& app, const std::string& option, const std::string& unit,
                         const std::string& help, Range allowed,
-                        const std::function<void(double)>& take, bool whole = false) {
+                        const std::function<void(double)>& take, bool only_whole = false) {
   return app
       .add_option_function<std::string>(
-          option, [=](const std::string& text) { take(number(option, text, allowed, whole)); },
+          option, [=](const std::string& text) { take(number(option, text, allowed, only_whole)); },
           help)
       ->type_name(with_unit(unit));
 }
@@ -72,7 +80,7 @@ void add_scene(CLI::App& app, const Chapter& chapter) {
     add_number(
         app, parameter.option, parameter.unit,
         fmt::format("{} (default {:g})", parameter.help, *parameter.value), parameter.allowed,
-        [value = parameter.value](double number) { *value = number; }, parameter.whole)
+        [value = parameter.value](double number) { *value = number; }, parameter.is(whole))
         ->group("Scene");
 }
 
@@ -116,13 +124,16 @@ void add_method(CLI::App& app, const Chapter& chapter, Request& request) {
       ->group("Method");
 }
 
-void add_times(CLI::App& app, Request& request, const std::string& step_help) {
+void add_tolerance(CLI::App& app, Request& request) {
   add_number(app, "--tolerance", "",
              "dop853 chooses its own steps, each with an error of at most this part of the state, "
              "1e-14 to 0.1; --step is then the longest, by default a fiftieth of --duration",
              {measure::finest_tolerance, 0.1},
              [&request](double tolerance) { request.tolerance = tolerance; })
       ->group("Method");
+}
+
+void add_times(CLI::App& app, Request& request, const std::string& step_help) {
   add_number(app, "--duration", "s",
              fmt::format("time simulated (default {:g})", request.run.duration), positive,
              [&request](double s) { request.run.duration = s; })
@@ -143,29 +154,36 @@ void add_out(CLI::App& app, Request& request) {
 }
 
 #ifdef TUTORIAL_PICTURES
+/// "4x3": two whole numbers.
+std::pair<int, int> sides(const std::string& option, const std::string& text, Range width,
+                          Range height) {
+  const std::size_t x = text.find('x');
+  const auto side = [&](const std::string& digits, Range range) {
+    try {
+      return static_cast<int>(number("", digits, range, true));
+    } catch (const UsageError&) {
+      throw UsageError(
+          fmt::format("{} {}: allowed is WxH, W from {:g} to {:g}, H from {:g} to {:g}", option,
+                      text, width.low, width.high, height.low, height.high));
+    }
+  };
+  return {side(text.substr(0, x), width),
+          side(x == std::string::npos ? "" : text.substr(x + 1), height)};
+}
+
 void add_page(CLI::App& app, Request& request) {
   add_out(app, request);
   app.add_option_function<std::string>(
          "--size",
          [&request](const std::string& text) {
-           const std::size_t x = text.find('x');
-           const auto side = [&](const std::string& digits, double least) {
-             try {
-               const double value = number("", digits, {least, 4000.0});
-               if (value == std::floor(value)) return static_cast<int>(value);
-             } catch (const UsageError&) {
-             }
-             throw UsageError(fmt::format(
-                 "--size {}: allowed is WxH, W from 480 to 4000, H from 300 to 4000", text));
-           };
-           request.page.width = side(text.substr(0, x), 480.0);
-           request.page.height = side(x == std::string::npos ? "" : text.substr(x + 1), 300.0);
+           std::tie(request.snapshot.page.width, request.snapshot.page.height) =
+               sides("--size", text, {480.0, 4000.0}, {300.0, 4000.0});
          },
          "size in points (default 960x600)")
       ->type_name("WxH")
       ->group("Output");
   add_number(app, "--scale", "", "pixels in a point (default 2)", Range{0.5, 4.0},
-             [&request](double scale) { request.page.scale = scale; })
+             [&request](double scale) { request.snapshot.page.scale = scale; })
       ->type_name("X")
       ->group("Output");
   app.add_option_function<std::string>(
@@ -173,7 +191,7 @@ void add_page(CLI::App& app, Request& request) {
          [&request](const std::string& text) {
            if (text != "light" && text != "dark")
              refuse_name("--theme", text, std::vector<std::string>{"light", "dark"});
-           request.page.theme = draw::theme(text);
+           request.snapshot.page.theme = draw::theme(text);
          },
          "light (for print, the default) or dark")
       ->type_name("NAME")
@@ -184,12 +202,30 @@ void add_page(CLI::App& app, Request& request) {
            std::size_t from = 0;
            while (from <= texts.size()) {
              const std::size_t comma = std::min(texts.find(',', from), texts.size());
-             request.at.push_back(number("--at", texts.substr(from, comma - from), not_negative));
+             request.snapshot.at.push_back(
+                 number("--at", texts.substr(from, comma - from), not_negative));
              from = comma + 1;
            }
          },
          "the scene at these times instead of the lesson's pictures")
       ->type_name("T[,T...] [s]")
+      ->group("Output");
+  add_number(
+      app, "--frames", "", "a numbered series: so many pictures from t = 0", {1.0, 1e5},
+      [&request](double frames) { request.snapshot.frames = std::lround(frames); }, true)
+      ->type_name("N")
+      ->group("Output");
+  add_number(app, "--fps", "1/s", "how many of the series show a second (default 25)",
+             {0.001, 1000.0}, [&request](double fps) { request.snapshot.fps = fps; })
+      ->group("Output");
+  app.add_option_function<std::string>(
+         "--sheet",
+         [&request](const std::string& text) {
+           std::tie(request.snapshot.sheet_columns, request.snapshot.sheet_rows) =
+               sides("--sheet", text, {1.0, 20.0}, {1.0, 20.0});
+         },
+         "small scenes on one page, at equal times up to --duration, or at those of --at")
+      ->type_name("COLSxROWS")
       ->group("Output");
 }
 #endif
@@ -224,25 +260,6 @@ void settle(Request& request) {
         fmt::format("--every {:g}: allowed is the step, {:g} s, or more", run.every, run.step));
 }
 
-/// A number rounded down to three digits: a limit must not be rounded up.
-double rounded_down(double value) {
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
-  return std::floor(value / unit) * unit;
-}
-
-/// The step up to which the feedback is stable, 0 where none is; nothing where it is stable as it
-/// is.
-std::optional<double> limit_of_feedback(const RunOptions& run) {
-  const auto& method = run.method;
-  if (method.stabilization != measure::Stabilization::feedback || method.tolerance > 0.0 ||
-      integrators::amplification(method.integrator, run.step, method.ks, method.kd) <= 1.0 + 1e-12)
-    return std::nullopt;
-  const double limit = integrators::largest_stable_step(method.integrator, method.ks, method.kd);
-  // Bisection ends somewhere even where nothing but 0 is stable.
-  const bool never = limit * std::max(std::sqrt(method.ks), method.kd) < 1e-4;
-  return never ? 0.0 : rounded_down(limit);
-}
-
 /// Once, when the feedback itself is unstable at this step.
 void warn_of_gains(const RunOptions& run) {
   const auto limit = limit_of_feedback(run);
@@ -253,20 +270,6 @@ void warn_of_gains(const RunOptions& run) {
       kd, integrators::method(integrator).text,
       *limit == 0.0 ? std::string("any step")
                     : fmt::format("a step of {:g} s, only up to {:.3g} s", run.step, *limit)));
-}
-
-/// What to try after a run that could not go on.
-std::string advice(const Chapter& chapter, const RunOptions& run) {
-  if (const auto limit = limit_of_feedback(run))
-    return *limit == 0.0 ? std::string("another --integrator, or --stabilization projection")
-                         : fmt::format(
-                               "a --step of {:.3g} s or less, smaller gains, or "
-                               "--stabilization projection",
-                               *limit);
-  std::string text = run.method.tolerance > 0.0 ? "a larger --tolerance" : "a smaller --step";
-  if (chapter.has_constraints && run.method.stabilization == measure::Stabilization::none)
-    text += ", --stabilization projection";
-  return text + " or another --integrator";
 }
 
 // ----------------------------------------------------------------------------------------------
@@ -490,7 +493,7 @@ void report_command(const Chapter& chapter, const Request& request) {
 #ifdef TUTORIAL_PICTURES
   // Drawn from the file, digit for digit, as whoever draws it later will.
   const Picture picture = error_picture(read_csv(out / "error_vs_time.csv"));
-  write(out / "error_vs_time.png", draw::encode_png(draw::render(request.page, picture.draw)));
+  write(out / "error_vs_time.png", draw::encode_png(draw::render({}, picture.draw)));
 #endif
   if (chapter.also_report) chapter.also_report(out);
 }
@@ -509,7 +512,7 @@ Case bad_input(const Chapter& chapter) {
                     fmt::format("{:g}", 2.0 * parameter.allowed.high + 1.0),
                     fmt::format("{:g}", -1.0 - 2.0 * std::abs(parameter.allowed.low))}) {
                 try {
-                  number(parameter.option, text, parameter.allowed, parameter.whole);
+                  number(parameter.option, text, parameter.allowed, parameter.is(whole));
                   taken += 1.0;
                 } catch (const UsageError&) {
                 }
@@ -563,8 +566,7 @@ void stability_command(const Chapter& chapter, const Request& request) {
   if (!curves.empty()) write(out / "long_run.csv", csv(curves));
 #ifdef TUTORIAL_PICTURES
   const auto draw_picture = [&](const Picture& picture) {
-    write(out / (picture.name + ".png"),
-          draw::encode_png(draw::render(request.page, picture.draw)));
+    write(out / (picture.name + ".png"), draw::encode_png(draw::render({}, picture.draw)));
   };
   draw_picture(map_picture(maps, stability.map_remark));
   if (!curves.empty()) draw_picture(long_run_picture(curves, stability.long_run.step));
@@ -581,23 +583,10 @@ void stability_command(const Chapter& chapter, const Request& request) {
 
 #ifdef TUTORIAL_PICTURES
 void snapshot_command(const Chapter& chapter, const Request& request) {
-  for (const double t : request.at)
-    if (t / request.run.step > most_steps)
-      throw UsageError(fmt::format("--at {:g}: allowed is at most {:g} s with a step of {:g} s", t,
-                                   most_steps * request.run.step, request.run.step));
+  request.snapshot.check(request.run, most_steps);
   prepare_folder(request.out);
   warn_of_gains(request.run);
-  std::vector<Picture> pictures;
-  if (request.at.empty()) pictures = chapter.pictures(request.run);
-  for (const double t : request.at) pictures.push_back(chapter.picture_at(request.run, t));
-  Progress progress;
-  double done = 0.0;
-  for (const Picture& picture : pictures) {
-    const auto path = std::filesystem::path(request.out) / (picture.name + ".png");
-    progress.show(done++ / static_cast<double>(pictures.size()), picture.name);
-    write_file(path, draw::encode_png(draw::render(request.page, picture.draw)));
-    fmt::print("{}\n", path.string());
-  }
+  take(request.snapshot, chapter, request.run, request.out);
 }
 #endif
 
@@ -643,6 +632,7 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
       app.add_subcommand("run", "one simulation and its error against the exact answer");
   add_scene(*run, chapter);
   add_method(*run, chapter, request);
+  add_tolerance(*run, request);
   add_times(*run, request, "step of the integrator");
   run->add_option_function<std::string>(
          "--csv",
@@ -669,11 +659,30 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
     CLI::App* snapshot = app.add_subcommand("snapshot", "PNG pictures of the scene");
     add_scene(*snapshot, chapter);
     add_method(*snapshot, chapter, request);
+    add_tolerance(*snapshot, request);
     add_times(*snapshot, request, "step of the integrator");
     add_page(*snapshot, request);
     snapshot->callback([&] {
       settle(request);
       snapshot_command(chapter, request);
+    });
+  }
+#endif
+
+#ifdef TUTORIAL_WINDOW
+  bool controls = false;
+  if (chapter.stage) {
+    CLI::App* window = app.add_subcommand(
+        "live",
+        "the scene in a window: space runs and pauses, right arrow or s takes a step, r goes back");
+    add_scene(*window, chapter);
+    add_method(*window, chapter, request);
+    add_times(*window, request, "step of the integrator");
+    window->add_flag("--controls", controls, "prints where each control stands, for scripts")
+        ->group("Output");
+    window->callback([&] {
+      settle(request);
+      live(chapter, request.run, controls);
     });
   }
 #endif
@@ -687,6 +696,7 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
 #endif
   add_scene(*report, chapter);
   add_method(*report, chapter, ladder_request);
+  add_tolerance(*report, ladder_request);
   add_times(*report, ladder_request,
             "coarsest step, halved from row to row; three times as long for dop853");
   add_out(*report, ladder_request);

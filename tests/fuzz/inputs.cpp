@@ -122,7 +122,9 @@ class Maker {
     static const Words bad = split(
         "--fly|--fly=1|--integrator rk5|--stabilization=|--step 0|--step nan|--duration -1|"
         "--gravity inf|--ks -1|--kd|--tolerance 1|--tolerance 1e-8 --integrator rk4|fly|-- 1|"
-        "--size 1x1|--scale nan|--at ,|--theme pink|--out|--out /dev/null/x --at x");
+        "--size 1x1|--scale nan|--at ,|--theme pink|--out|--out /dev/null/x --at x|--frames 0|"
+        "--frames 1.5|--fps 10|--frames 2 --fps 0|--sheet 0x3|--sheet 4|--sheet 2x2 --frames 2|"
+        "--frames 2 --at 1|--sheet 1x1 --at 0,1");
     arguments_ = {random_.pick(commands)};
     if (random_.chance(0.1)) arguments_.clear();
     for (const Option& option : options_)
@@ -132,9 +134,19 @@ class Maker {
     return {arguments_, true};
   }
 
+  /// Small pictures of any scene, soon after its start.
+  Input pictures() {
+    static const Words which = split("--at 0.1|--at 0,0.05|--frames 3 --fps 30|--sheet 2x2");
+    arguments_ = {"snapshot", "--size", "480x300", "--scale", "0.5", "--duration", "0.1"};
+    for (const Option& option : options_)
+      if (option.group == "Scene" && random_.chance(0.3))
+        give(option.name, value(option, 0, random_));
+    for (const std::string& word : split(random_.pick(which), ' ')) arguments_.push_back(word);
+    return {arguments_};
+  }
+
   Input harmless() {
-    if (random_.chance(0.2))
-      return {{"snapshot", "--at", "0.1", "--size", "480x300", "--scale", "0.5"}};
+    if (random_.chance(0.5)) return pictures();
     static const Words helps = split("--help|run --help|snapshot -h|report --help|run -h5");
     return {split(random_.pick(helps), ' ')};
   }
@@ -264,7 +276,7 @@ Input make_input(std::uint64_t seed, std::uint64_t index, const std::vector<Opti
   Random random(seed, index);
   Maker maker(random, options);
   if (random.chance(0.01)) return maker.refused();
-  if (random.chance(0.001)) return maker.harmless();
+  if (random.chance(0.002)) return maker.harmless();
   return maker.run();
 }
 

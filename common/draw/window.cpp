@@ -1,0 +1,185 @@
+#include "draw/window.hpp"
+
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <thread>
+
+namespace draw {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
+constexpr Seconds shortest_frame{1.0 / 60.0};
+
+ImVec2 pixels(double x, double y) { return {static_cast<float>(x), static_cast<float>(y)}; }
+
+ImVec4 color(const Color& c) {
+  return ImGui::ColorConvertU32ToFloat4(IM_COL32(c.r, c.g, c.b, c.a));
+}
+
+}  // namespace
+
+struct Window::Inside {
+  GLFWwindow* window = nullptr;
+  ImGuiContext* gui = nullptr;
+  double panel_width;
+  Theme theme;
+  Fonts fonts{};
+  std::array<int, 4> presses{};  // of each Key
+  double frame_seconds = 0.0;
+  Clock::time_point next_frame = Clock::now();
+
+  Inside(double panel, const Theme& colors) : panel_width(panel), theme(colors) {}
+  ~Inside() {
+    if (gui != nullptr) {
+      ImGui_ImplOpenGL3_Shutdown();
+      ImGui_ImplGlfw_Shutdown();
+      ImGui::DestroyContext(gui);
+    }
+    glfwTerminate();
+  }
+
+  // A key that goes down and up between two frames counts as well, so Dear ImGui, which looks at
+  // the keys once a frame, is not asked.
+  static void on_key(GLFWwindow* window, int key, int, int action, int) {
+    auto& inside = *static_cast<Inside*>(glfwGetWindowUserPointer(window));
+    if (action == GLFW_RELEASE || ImGui::GetIO().WantTextInput) return;
+    if (key == GLFW_KEY_ESCAPE) glfwSetWindowShouldClose(window, GLFW_TRUE);
+    constexpr std::array keys{GLFW_KEY_SPACE, GLFW_KEY_RIGHT, GLFW_KEY_R, GLFW_KEY_S};
+    for (std::size_t i = 0; i < keys.size(); ++i)
+      if (key == keys[i]) ++inside.presses[i];
+  }
+};
+
+Window::Window(const std::string& title, int width, int height, double panel_width,
+               const Theme& theme)
+    : inside_(std::make_unique<Inside>(panel_width, theme)) {
+  if (glfwInit() == GLFW_FALSE) throw std::runtime_error("no display");
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  inside_->window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  if (inside_->window == nullptr) throw std::runtime_error("no window with OpenGL 3.3");
+  glfwSetWindowUserPointer(inside_->window, inside_.get());
+  glfwSetKeyCallback(inside_->window, Inside::on_key);
+  glfwMakeContextCurrent(inside_->window);
+  glfwSwapInterval(1);
+  inside_->gui = ImGui::CreateContext();
+  ImGui::SetCurrentContext(inside_->gui);
+  ImGui::GetIO().IniFilename = nullptr;  // write no file
+  ImGui::StyleColorsLight();
+  ImGui::GetStyle().AntiAliasedLinesUseTex = false;  // as in the pictures
+  inside_->fonts = load_fonts(1.0);
+  ImGui::GetIO().FontDefault = inside_->fonts[static_cast<std::size_t>(Font::small)];
+  ImGui_ImplGlfw_InitForOpenGL(inside_->window, true);
+  if (!ImGui_ImplOpenGL3_Init("#version 330"))
+    throw std::runtime_error("no window with OpenGL 3.3");
+}
+
+Window::~Window() = default;
+
+bool Window::open() const { return glfwWindowShouldClose(inside_->window) == GLFW_FALSE; }
+
+void Window::frame(const std::function<void()>& draw) {
+  inside_->presses = {};
+  glfwPollEvents();
+  const Clock::time_point start = Clock::now();
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+  ImGui::SetNextWindowPos(pixels(pages_width(), 0.0));
+  ImGui::SetNextWindowSize(pixels(inside_->panel_width, height()));
+  ImGui::Begin("controls", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
+  draw();
+  ImGui::End();
+  ImGui::Render();
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(inside_->window, &width, &height);
+  const Color paper = inside_->theme.paper;
+  glViewport(0, 0, width, height);
+  glClearColor(paper.r / 255.0F, paper.g / 255.0F, paper.b / 255.0F, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  glFinish();  // else a slow renderer would go on into the time of the next frame
+  inside_->frame_seconds = Seconds(Clock::now() - start).count();
+  glfwSwapBuffers(inside_->window);
+  // Not every display makes the swap wait for it.
+  std::this_thread::sleep_until(inside_->next_frame);
+  inside_->next_frame =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(0.95 * shortest_frame);
+}
+
+double Window::frame_seconds() const { return inside_->frame_seconds; }
+
+double Window::pages_width() const {
+  return std::max(1.0, double{ImGui::GetIO().DisplaySize.x} - inside_->panel_width);
+}
+
+double Window::height() const { return std::max(1.0, double{ImGui::GetIO().DisplaySize.y}); }
+
+Pen Window::pen(double width, double height) const {
+  return {ImGui::GetBackgroundDrawList(), inside_->fonts, inside_->theme, width, height, 1.0};
+}
+
+Window::Mouse Window::mouse() const {
+  const ImGuiIO& io = ImGui::GetIO();
+  const bool ours = !io.WantCaptureMouse;
+  return {{io.MousePos.x, io.MousePos.y}, ours && ImGui::IsMouseClicked(0), ImGui::IsMouseDown(0)};
+}
+
+int Window::presses(Key key) const { return inside_->presses[static_cast<std::size_t>(key)]; }
+
+bool Window::button(const Rect& place, const std::string& text) {
+  ImGui::SetCursorPos(pixels(place.left, place.top));
+  return ImGui::Button(text.c_str(), pixels(place.width, place.height));
+}
+
+bool Window::check(const Rect& place, const std::string& text, bool& checked) {
+  ImGui::SetCursorPos(pixels(place.left, place.top));
+  return ImGui::Checkbox(text.c_str(), &checked);
+}
+
+Edit Window::slider(const Rect& place, const std::string& name, double& value, const Span& span,
+                    const std::string& unit, bool enabled) {
+  ImGui::SetCursorPos(pixels(place.left, place.top));
+  ImGui::SetNextItemWidth(static_cast<float>(place.width));
+  const std::string format = "%.4g " + unit;
+  ImGui::BeginDisabled(!enabled);
+  const bool moved = ImGui::SliderScalar(
+      ("##" + name).c_str(), ImGuiDataType_Double, &value, &span.low, &span.high, format.c_str(),
+      ImGuiSliderFlags_NoRoundToFormat | (span.log ? ImGuiSliderFlags_Logarithmic : 0));
+  ImGui::EndDisabled();
+  if (moved && span.whole) value = std::round(value);
+  if (ImGui::IsItemDeactivatedAfterEdit()) return Edit::done;
+  return moved ? Edit::moving : Edit::none;
+}
+
+bool Window::choice(const Rect& place, const std::string& name,
+                    const std::vector<std::string>& texts, int& chosen) {
+  ImGui::SetCursorPos(pixels(place.left, place.top));
+  ImGui::SetNextItemWidth(static_cast<float>(place.width));
+  std::vector<const char*> items;
+  for (const std::string& text : texts) items.push_back(text.c_str());
+  return ImGui::Combo(("##" + name).c_str(), &chosen, items.data(), static_cast<int>(items.size()));
+}
+
+void Window::text(const Rect& place, const std::string& utf8, const Color& ink) {
+  ImGui::SetCursorPos(pixels(place.left, place.top));
+  ImGui::PushTextWrapPos(static_cast<float>(place.right()));
+  ImGui::PushStyleColor(ImGuiCol_Text, color(ink));
+  ImGui::TextWrapped("%s", utf8.c_str());
+  ImGui::PopStyleColor();
+  ImGui::PopTextWrapPos();
+}
+
+}  // namespace draw

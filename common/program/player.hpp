@@ -1,0 +1,51 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace program {
+
+/// Makes the simulated time follow the wall clock, whatever the frame rate: told how much time a
+/// frame took, it takes as many steps. What no whole step fits in is carried to the next frame;
+/// what does not fit into a frame's budget of work is dropped, and told.
+class Player {
+ public:
+  static constexpr double budget = 0.012;  ///< of work in a frame [s]
+
+  /// `wall` seconds passed, in which `speed` times as much time is to be simulated in steps of h.
+  /// advance(n) takes n steps; clock() is the time [s] by which the work is measured.
+  template <class Advance, class Clock>
+  void play(double wall, double speed, double h, Advance&& advance, Clock&& clock) {
+    owed_ += speed * wall;
+    const long due = static_cast<long>(std::min(owed_ / h * (1.0 + 1e-9), 1e9));
+    const double start = clock();
+    long done = 0;
+    for (long some = 1; done < due;) {
+      const double before = clock();
+      some = std::min(some, due - done);
+      advance(some);
+      done += some;
+      const double now = clock();
+      if (now - start > budget) break;
+      if (now - before < budget / 16.0) some *= 2;
+    }
+    owed_ -= static_cast<double>(done) * h;
+    const double dropped = done < due ? owed_ : 0.0;
+    owed_ -= dropped;
+    const double memory = std::exp(-wall / 0.5);  // what was half a second ago counts little
+    wanted_ = memory * wanted_ + speed * wall;
+    dropped_ = memory * dropped_ + dropped;
+  }
+
+  /// After a pause nothing is owed.
+  void rest() { owed_ = wanted_ = dropped_ = 0.0; }
+
+  /// The part of the time wanted that was simulated lately: 1 when it keeps up.
+  double kept() const { return wanted_ > 0.0 ? 1.0 - dropped_ / wanted_ : 1.0; }
+
+ private:
+  double owed_ = 0.0;                    ///< time to be simulated [s]
+  double wanted_ = 0.0, dropped_ = 0.0;  ///< lately [s]
+};
+
+}  // namespace program

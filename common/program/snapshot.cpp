@@ -1,0 +1,146 @@
+#include "program/snapshot.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "draw/page.hpp"
+#include "program/files.hpp"
+#include "program/progress.hpp"
+
+namespace program {
+namespace {
+
+void write(const std::filesystem::path& path, const draw::Page& page,
+           const std::function<void(draw::Pen&)>& draw) {
+  write_file(path, draw::encode_png(draw::render(page, draw)));
+}
+
+void print(const std::filesystem::path& path) { fmt::print("{}\n", path.string()); }
+
+/// A stage whose view and whose arrows hold for all of its way up to `end`, which is run ahead.
+std::unique_ptr<Stage> stage_up_to(double end, const Chapter& chapter, RunOptions run,
+                                   Progress& progress) {
+  run.duration = std::max(run.duration, end);
+  std::unique_ptr<Stage> stage = chapter.stage(run);
+  const auto ahead = chapter.stage(run);
+  constexpr int parts = 100;
+  for (int i = 1; i <= parts; ++i) {
+    progress.show(0.0, "simulated ahead");
+    ahead->advance_to(end * i / parts);
+  }
+  stage->show_as(*ahead);
+  return stage;
+}
+
+void take_series(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& run,
+                 const std::filesystem::path& out) {
+  const auto name = [&,
+                     digits = std::max<std::size_t>(4, fmt::formatted_size("{}", snapshot.frames))](
+                        long frame) { return fmt::format("frame_{:0{}}.png", frame, digits); };
+  {
+    Progress progress;
+    const auto stage = stage_up_to(static_cast<double>(snapshot.frames - 1) * snapshot.interval(),
+                                   chapter, run, progress);
+    for (long i = 0; i < snapshot.frames; ++i) {
+      progress.show(static_cast<double>(i) / static_cast<double>(snapshot.frames), name(i + 1));
+      stage->advance_to(static_cast<double>(i) * snapshot.interval());
+      write(out / name(i + 1), snapshot.page, [&](draw::Pen& pen) { draw_page(pen, *stage); });
+    }
+  }
+  print(out / name(1));
+  if (snapshot.frames > 1) fmt::print("to {}\n", (out / name(snapshot.frames)).string());
+}
+
+/// The scene at several times on one page, each over its time.
+void draw_sheet(draw::Pen& pen, Stage& stage, const Snapshot& snapshot,
+                const std::vector<double>& times, Progress& progress) {
+  const std::string caption =
+      fmt::format("From t = {:.4g} s to t = {:.4g} s ({}, step {:g} s).", times.front(),
+                  times.back(), stage.run().method.label(), stage.run().step);
+  const draw::Rect all = draw::page(pen, stage.title(), caption);
+  const double gap = 8.0, line = draw::Pen::line_height(draw::Font::small);
+  const double width = (all.width + gap) / snapshot.sheet_columns;
+  const double height = (all.height + gap) / snapshot.sheet_rows;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    progress.show(static_cast<double>(i) / static_cast<double>(times.size()), "sheet");
+    stage.advance_to(times[i]);
+    const auto columns = static_cast<std::size_t>(snapshot.sheet_columns);
+    const draw::Rect cell{all.left + width * static_cast<double>(i % columns),
+                          all.top + height * static_cast<double>(i / columns), width - gap,
+                          height - gap};
+    const draw::Rect scene{cell.left, cell.top, cell.width, cell.height - line};
+    const std::array<draw::Point, 4> corners{{{scene.left, scene.top},
+                                              {scene.right(), scene.top},
+                                              {scene.right(), scene.bottom()},
+                                              {scene.left, scene.bottom()}}};
+    pen.polygon(corners, draw::transparent, pen.theme().grid, 1.0);
+    stage.draw(pen, scene.inset(1.0), {.numbers = false});
+    pen.text({cell.center().x, cell.bottom() - line / 2}, fmt::format("{:.4g} s", stage.time()),
+             pen.theme().muted, draw::Font::small, draw::Align::center);
+  }
+}
+
+void take_sheet(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& run,
+                const std::filesystem::path& out) {
+  std::vector<double> times = snapshot.at;
+  std::sort(times.begin(), times.end());
+  if (times.empty())
+    for (int i = 0; i < snapshot.cells(); ++i)
+      times.push_back(run.duration * i / std::max(1, snapshot.cells() - 1));
+  {
+    Progress progress;
+    const auto stage = stage_up_to(times.back(), chapter, run, progress);
+    write(out / "sheet.png", snapshot.page,
+          [&](draw::Pen& pen) { draw_sheet(pen, *stage, snapshot, times, progress); });
+  }
+  print(out / "sheet.png");
+}
+
+}  // namespace
+
+void Snapshot::check(const RunOptions& run, double most_steps) const {
+  const bool sheet = cells() > 0;
+  if (fps && frames == 0)
+    throw UsageError(fmt::format("--fps {:g}: allowed only with --frames", *fps));
+  if (frames > 0 && sheet)
+    throw UsageError(
+        fmt::format("--sheet {}x{}: allowed only without --frames", sheet_columns, sheet_rows));
+  if (frames > 0 && !at.empty())
+    throw UsageError(fmt::format("--at {:g}: allowed only without --frames", at.front()));
+  if (sheet && at.size() > static_cast<std::size_t>(cells()))
+    throw UsageError(fmt::format("--sheet {}x{}: allowed are {} times at most with --at, not {}",
+                                 sheet_columns, sheet_rows, cells(), at.size()));
+  for (const double t : at)
+    if (t / run.step > most_steps)
+      throw UsageError(fmt::format("--at {:g}: allowed is at most {:g} s with a step of {:g} s", t,
+                                   most_steps * run.step, run.step));
+  if (static_cast<double>(frames) * interval() / run.step > most_steps)
+    throw UsageError(
+        fmt::format("--frames {}: allowed is at most {:g} s of them with a step of {:g} s", frames,
+                    most_steps * run.step, run.step));
+}
+
+void take(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& run,
+          const std::filesystem::path& out) {
+  if (snapshot.frames > 0) return take_series(snapshot, chapter, run, out);
+  if (snapshot.cells() > 0) return take_sheet(snapshot, chapter, run, out);
+  std::vector<Picture> pictures;
+  if (snapshot.at.empty()) pictures = chapter.pictures(run);
+  for (const double t : snapshot.at) {
+    RunOptions longer = run;
+    longer.duration = std::max(run.duration, t);
+    pictures.push_back(picture_at(chapter.stage(longer), t));
+  }
+  Progress progress;
+  double done = 0.0;
+  for (const Picture& picture : pictures) {
+    progress.show(done++ / static_cast<double>(pictures.size()), picture.name);
+    write(out / (picture.name + ".png"), snapshot.page, picture.draw);
+    print(out / (picture.name + ".png"));
+  }
+}
+
+}  // namespace program

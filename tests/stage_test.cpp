@@ -1,0 +1,250 @@
+// What shows a scene in motion: the stage, the player that keeps it at real time, the hand's
+// spring.
+
+#include <cmath>
+#include <memory>
+
+#include "02_parametric_lagrangian/pictures.hpp"
+#include "07_slider_crank/pictures.hpp"
+#include "catch.hpp"
+#include "draw/offscreen.hpp"
+#include "joints/revolute.hpp"
+#include "parabola/held_bead.hpp"
+#include "program/mechanism_stage.hpp"
+#include "program/player.hpp"
+
+namespace {
+
+using program::RunOptions;
+using program::Stage;
+
+const RunOptions crank_run{.duration = 2.0, .step = 0.001};
+
+draw::Image picture(Stage& stage) {
+  return draw::render({.scale = 0.5}, [&](draw::Pen& pen) { program::draw_page(pen, stage); });
+}
+
+bool same(const draw::Image& a, const draw::Image& b) { return a.rgba == b.rgba; }
+
+/// A rod that hangs from a pin, at rest, with a hand on it.
+class Rod final : public program::MechanismStage {
+ public:
+  explicit Rod(const RunOptions& run) : MechanismStage(run, make(run.method)) {
+    begin({-1.2, -1.2, 1.2, 1.2});
+  }
+
+  std::string title() const override { return "rod"; }
+  std::string caption() override { return ""; }
+
+  Eigen::Vector2d end() {
+    const Eigen::VectorXd& q = motion.q();
+    return q.head<2>() + 0.5 * Eigen::Vector2d(std::cos(q[2]), std::sin(q[2]));
+  }
+  double energy() { return motion.measures().energy; }
+  /// The power of the hand [W].
+  double power() {
+    const Eigen::VectorXd &q = motion.q(), &v = motion.v();
+    const Eigen::Vector2d arm =
+        dynamics::rotation(q[2]) * Eigen::Vector2d(spring()->u.x, spring()->u.y);
+    const Eigen::Vector2d r = q.head<2>() + arm, rdot = v.head<2>() + v[2] * dynamics::S(arm);
+    const draw::Point F = spring_force(0, {r.x(), r.y()}, {rdot.x(), rdot.y()});
+    return F.x * rdot.x() + F.y * rdot.y();
+  }
+  using MechanismStage::spring;
+
+  draw::Point on_page(const Eigen::Vector2d& x) const { return lens_.to_page({x.x(), x.y()}); }
+
+ private:
+  static program::Mechanism make(const measure::Method& method) {
+    program::Mechanism mechanism(method);
+    dynamics::System& system = mechanism.system;
+    const auto rod = system.add_body("rod", 1.0, 1.0 / 12.0, {0.0, 0.5}, std::acos(0.0));
+    system.add("pin", joints::Revolute{.u1 = {-0.5, 0.0}}, rod, dynamics::System::world);
+    system.set_gravity({0.0, 9.81});
+    mechanism.assemble();
+    return mechanism;
+  }
+  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
+    draw::Canvas canvas(pen, area, view());
+    open(canvas, show);
+    lens_ = canvas.lens();
+  }
+  std::vector<draw::Point> marks() const override { return {{motion.q()[0], motion.q()[1]}}; }
+  double force() override { return 1.0; }
+  draw::Point half_size(const dynamics::ThingInfo&) const override { return {0.5, 0.0}; }
+
+  draw::Lens lens_;
+};
+
+/// Takes hold of the rod's end and pulls it to a place.
+void take_end(Rod& rod, const Eigen::Vector2d& to) {
+  picture(rod);
+  REQUIRE(rod.grip(rod.on_page(rod.end())));
+  rod.pull(rod.on_page(to));
+}
+
+}  // namespace
+
+TEST_CASE("a stage shows the same at a time however the way there was cut") {
+  const auto at_once = slider_crank::stage({}, crank_run), cut = slider_crank::stage({}, crank_run);
+  at_once->advance(777);
+  for (const long steps : {1, 2, 0, 300, 7, 400, 67}) {
+    cut->advance(steps);
+    picture(*cut);
+  }
+  CHECK(cut->time() == at_once->time());
+  CHECK(cut->samples().size() == at_once->samples().size());
+  CHECK(same(picture(*cut), picture(*at_once)));
+  cut->advance(1);
+  CHECK_FALSE(same(picture(*cut), picture(*at_once)));
+}
+
+TEST_CASE("a stage keeps the last duration of its way, and no more") {
+  const auto stage = slider_crank::stage({}, crank_run);
+  stage->advance(5000);
+  CHECK(stage->samples().front().t == Approx(3.0));
+  CHECK(stage->samples().back().t == Approx(5.0));
+  CHECK(stage->samples().size() == 1001);
+}
+
+TEST_CASE("a stage goes on under another load from where another is, and counts its energy anew") {
+  const auto before = slider_crank::stage({}, crank_run);
+  before->advance(600);
+  const auto after = slider_crank::stage({.torque = 0.0}, {.duration = 2.0, .step = 0.0005});
+  after->take_over(*before);
+  CHECK(after->time() == before->time());
+  CHECK(after->samples().size() == before->samples().size());
+  after->advance(4);
+  before->advance(2);
+  CHECK(after->time() == before->time());
+  const draw::Point a = after->samples().back().marks[0], b = before->samples().back().marks[0];
+  CHECK(draw::length(a - b) < 1e-5);
+  CHECK(draw::length(a - b) > 0.0);  // the torque of 2 N·m is gone
+  after->advance(1000);
+  CHECK(after->samples().back().errors[0].energy < 1e-5);
+}
+
+TEST_CASE("the hand pulls what it holds towards the mouse, and its work is the change of energy") {
+  Rod rod({.duration = 2.0, .step = 1e-4});
+  const Eigen::Vector2d to(0.8, 0.6);
+  take_end(rod, to);
+  const double far = (rod.end() - to).norm(), energy = rod.energy();
+  double work = 0.0;
+  for (int i = 0; i < 2000; ++i) {
+    const double before = rod.power();
+    rod.advance(1);
+    work += 0.5e-4 * (before + rod.power());
+  }
+  CHECK((rod.end() - to).norm() < 0.7 * far);
+  CHECK(std::abs(work) > 0.1);
+  CHECK(rod.energy() - energy == Approx(work).epsilon(1e-4));
+  CHECK(std::isnan(rod.samples().back().errors[0].energy));  // the spring's work is no error
+  rod.release();
+  rod.advance(1000);
+  CHECK(rod.samples().back().errors[0].energy < 1e-6);
+}
+
+TEST_CASE("the hand's spring is as soft as the step needs") {
+  for (const double step : {1e-4, 0.01, 0.1, 1.0}) {
+    INFO(step);
+    Rod rod({.duration = 20.0 * step, .step = step});
+    take_end(rod, {0.8, 0.6});
+    const double mass = 0.25;  // of a free rod at its end
+    CHECK(step * std::sqrt(rod.spring()->k / mass) < 0.5001);
+    CHECK(step * rod.spring()->c / mass < 0.5001);
+  }
+}
+
+TEST_CASE("the hand takes what is near, and nothing where nothing is") {
+  Rod rod({.duration = 2.0, .step = 1e-3});
+  CHECK_FALSE(rod.grip({480.0, 300.0}));  // not drawn yet
+  picture(rod);
+  const draw::Point end = rod.on_page(rod.end());
+  CHECK(rod.grip(end + draw::Point{0.0, 19.0}));
+  rod.release();
+  CHECK_FALSE(rod.gripped());
+  CHECK_FALSE(rod.grip(end + draw::Point{0.0, 25.0}));
+}
+
+TEST_CASE("both beads of chapter 2 feel the hand alike") {
+  const RunOptions run{.duration = 20.0, .step = 0.01};
+  const Eigen::Vector2d hand(3.0, -2.0);
+  const auto pull = [&](const Eigen::Vector2d&, const Eigen::Vector2d&) { return hand; };
+  measure::Motion<parabola::HeldBead> held(parabola::HeldBead({.x0 = 20.0}, 0.0, 0.0, pull), {});
+  const double energy = held.measures().energy;
+  const Eigen::Vector2d start = held.q();
+  held.advance(300, run.step);
+  CHECK(held.measures().energy - energy == Approx(hand.dot(held.q() - start)).epsilon(1e-6));
+  CHECK(held.measures().constraint_error < 1e-6);
+
+  // The panels stand side by side: the same pull on the left bead and on the right one.
+  const auto left = parametric_lagrangian::stage({.x0 = 20.0}, run);
+  const auto right = parametric_lagrangian::stage({.x0 = 20.0}, run);
+  picture(*left);
+  picture(*right);
+  draw::Point bead{0.0, 0.0};
+  for (double x = 60.0; x < 480.0 && !left->gripped(); x += 10.0)
+    for (double y = 100.0; y < 560.0 && !left->gripped(); y += 10.0)
+      if (left->grip({x, y})) bead = {x, y};
+  const draw::Point panel{0.5 * (960.0 - 28.0 + 24.0), 0.0}, pulled = bead + draw::Point{80.0, 0.0};
+  REQUIRE(left->gripped());
+  REQUIRE(right->grip(bead + panel));
+  left->pull(pulled);
+  right->pull(pulled + panel);
+  left->advance(300);
+  right->advance(300);
+  const auto x_of = [](const Stage& stage, std::size_t i) {
+    return stage.samples().back().marks[i].x;
+  };
+  CHECK(x_of(*left, 0) == Approx(x_of(*right, 1)).epsilon(1e-6));
+  CHECK(x_of(*right, 0) == Approx(x_of(*left, 1)).epsilon(1e-6));
+  CHECK(std::abs(x_of(*left, 0) - x_of(*left, 1)) > 1.0);
+}
+
+TEST_CASE("the player follows the wall clock whatever the frame rate") {
+  for (const double frame : {1.0 / 240.0, 1.0 / 60.0, 0.21}) {
+    INFO(frame);
+    program::Player player;
+    long steps = 0;
+    double wall = 0.0;
+    for (; wall < 3.0; wall += frame)
+      player.play(
+          frame, 2.0, 0.001, [&](long some) { steps += some; }, [] { return 0.0; });
+    CHECK(static_cast<double>(steps) * 0.001 == Approx(2.0 * wall).margin(0.0011));
+    CHECK(player.kept() == 1.0);
+  }
+}
+
+TEST_CASE("a step longer than a frame is taken when its time has come") {
+  program::Player player;
+  long steps = 0;
+  for (int frame = 0; frame < 60; ++frame)
+    player.play(
+        1.0 / 60.0, 1.0, 0.25, [&](long some) { steps += some; }, [] { return 0.0; });
+  CHECK((steps == 3 || steps == 4));
+}
+
+TEST_CASE("the player drops what does not fit into a frame, and tells how much") {
+  program::Player player;
+  long steps = 0;
+  double clock = 0.0;
+  for (int frame = 0; frame < 200; ++frame)  // each step takes twice as long as it simulates
+    player.play(
+        0.02, 1.0, 0.001,
+        [&](long some) {
+          steps += some;
+          clock += 0.002 * static_cast<double>(some);
+        },
+        [&] { return clock; });
+  const double simulated = static_cast<double>(steps) * 0.001;
+  CHECK(simulated < 0.45 * 4.0);
+  CHECK(simulated > 0.25 * 4.0);
+  CHECK(player.kept() == Approx(simulated / 4.0).margin(0.05));
+  // A pause does not make it catch up.
+  player.rest();
+  CHECK(player.kept() == 1.0);
+  steps = 0;
+  player.play(
+      0.005, 1.0, 0.001, [&](long some) { steps += some; }, [] { return 0.0; });
+  CHECK((steps == 4 || steps == 5));
+}
