@@ -1,3 +1,4 @@
+// [joint]
 #pragma once
 
 #include <array>
@@ -9,7 +10,6 @@ namespace joints {
 using dynamics::S;
 using dynamics::Vector2d;
 
-// [joint]
 /// Pin in a slot: point u2 [m] of the second body stays on a line fixed in the first, through u1
 /// [m] with unit normal n_hat. 1 row, in m.
 struct Slot {

@@ -57,7 +57,6 @@ TEST_CASE("slot: a Scotch yoke moves as the cosine of its disc") {
   system.add("disc_world", joints::Revolute{}, disc);
   system.add("bar_world", joints::Prismatic{}, dynamics::System::world, bar);
   system.add("disc_bar", Slot{.u2 = {r, 0}, .n_hat = {1, 0}}, bar, disc);
-  // [scene]
   VectorXd q = system.initial_q(), v = system.initial_v();
   system.assemble(q, v);
   integrators::Rk4<VectorXd> integrator(q);
@@ -68,6 +67,7 @@ TEST_CASE("slot: a Scotch yoke moves as the cosine of its disc") {
                     0.0, q, v, 1e-3);
     REQUIRE(q[bar.column] == Approx(r * std::cos(q[disc.column + 2])).margin(1e-9));
   }
+  // [scene]
   CHECK(q[disc.column + 2] > 3.0);
   CHECK(system.energy(q, v) == Approx(energy).epsilon(1e-9));
   CHECK(system.counts().degrees_of_freedom == 1);

@@ -204,7 +204,7 @@ Picture decay_picture(const std::string& name, const std::string& title,
 
 /// The same gains on the two sides of RK4's limit.
 Picture step_picture() {
-  constexpr double ks = 9e4, kd = 600.0, coarse = 0.01, fine = 0.009, duration = 1.0;
+  constexpr double ks = 9e4, kd = 600.0, coarse = 0.01, fine = 0.0085, duration = 1.0;
   draw::Plot plot;
   plot.x.label = "time [s]";
   plot.y = {.label = "|x| of the plate [m]", .log = true};
@@ -212,7 +212,7 @@ Picture step_picture() {
     Motion plate =
         motion({.offset_x = 0.1}, {integrators::Name::rk4, Stabilization::feedback, ks, kd});
     draw::Curve curve{.label =
-                          fmt::format("step {:g} s: h√ks = {:.1f}", step, step * std::sqrt(ks))};
+                          fmt::format("step {:g} s: h√ks = {:.3g}", step, step * std::sqrt(ks))};
     for (double off = 0.0; plate.time() <= duration && off < 1e3;) {
       off = std::abs(plate.q()[0]);
       curve.points.push_back({plate.time(), off});

@@ -121,7 +121,7 @@ Picture scene_picture(Scene scene) {
         canvas.label(point(scale * sum), fmt::format("sum {:.2f} N", sum.norm()), theme.muted,
                      draw::Font::text, draw::Align::left, {12.0, 10.0 * aside});
         canvas.bead({0.0, 0.0}, 3.0, theme.ink, theme.ink);
-        canvas.label(point(0.45 * along(beta)), "rail: n·d = 0,  θ = θ0", theme.track,
+        canvas.label(point(0.45 * along(beta)), "rail: n·d = 0,  θ = θ₂₁", theme.track,
                      draw::Font::bold, draw::Align::left, {14.0, 10.0 * aside});
       }};
 }

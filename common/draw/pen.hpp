@@ -37,6 +37,10 @@ class Pen {
   double height() const { return height_; }
   const Theme& theme() const { return theme_; }
 
+  /// The sentence under the picture, for those who read without seeing it.
+  const std::string& caption() const { return caption_; }
+  void set_caption(std::string_view caption) { caption_ = caption; }
+
   void line(Point from, Point to, Color color, double thickness = 1.6, Dash dash = Dash::solid);
   /// Breaks where a point is not finite.
   void polyline(std::span<const Point> points, Color color, double thickness = 1.6,
@@ -70,6 +74,7 @@ class Pen {
   Fonts fonts_;
   Theme theme_;
   double width_, height_, scale_;
+  std::string caption_;
 };
 
 }  // namespace draw

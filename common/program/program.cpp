@@ -355,7 +355,7 @@ void print_uses(const measure::Uses& uses, double step) {
              some(uses.coordinates, "coordinate", "coordinates"), some(uses.rows, "row", "rows"),
              uses.rank, some(uses.degrees_of_freedom(), "degree of freedom", "degrees of freedom"));
   if (uses.blocks_of_J > 0)
-    fmt::print(", {} of J, {} of its factor", some(uses.blocks_of_J, "block", "blocks"),
+    fmt::print(", {} of J, {} of the factor of J W Jᵀ", some(uses.blocks_of_J, "block", "blocks"),
                uses.blocks_of_factor);
   fmt::print(", {} bytes of state, {} of workspace", uses.state_bytes, uses.workspace_bytes);
   if (std::isfinite(step)) fmt::print(", {:.0f} ns a step", 1e9 * step);

@@ -30,7 +30,7 @@ class SingularPoses {
   std::vector<std::string> notes() const {
     std::vector<std::string> notes;
     if (!always_.empty()) {
-      notes.push_back("rows that depend on others at the start, and take no load:");
+      notes.push_back("rows that depend on others at the start, and take no load there:");
       for (const auto& [joint, row] : always_)
         notes.back() += fmt::format(" {} row {}", joint, row);
     }

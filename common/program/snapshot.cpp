@@ -13,9 +13,16 @@
 namespace program {
 namespace {
 
-void write(const std::filesystem::path& path, const draw::Page& page,
-           const std::function<void(draw::Pen&)>& draw) {
-  write_file(path, draw::encode_png(draw::render(page, draw)));
+/// Returns the picture's caption.
+std::string write(const std::filesystem::path& path, const draw::Page& page,
+                  const std::function<void(draw::Pen&)>& draw) {
+  std::string caption;
+  const draw::Image image = draw::render(page, [&](draw::Pen& pen) {
+    draw(pen);
+    caption = pen.caption();
+  });
+  write_file(path, draw::encode_png(image));
+  return caption;
 }
 
 void print(const std::filesystem::path& path) { fmt::print("{}\n", path.string()); }
@@ -138,8 +145,10 @@ void take(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& ru
   double done = 0.0;
   for (const Picture& picture : pictures) {
     progress.show(done++ / static_cast<double>(pictures.size()), picture.name);
-    write(out / (picture.name + ".png"), snapshot.page, picture.draw);
-    print(out / (picture.name + ".png"));
+    const std::filesystem::path path = out / (picture.name + ".png");
+    const std::string caption = write(path, snapshot.page, picture.draw);
+    print(path);
+    fmt::print("  {}\n", caption);
   }
 }
 

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 
 #include "leave_it_out/rungs.hpp"
@@ -43,15 +45,24 @@ std::string ladder_table() {
 int main(int argc, char** argv) try {
   std::filesystem::path out;
   CLI::App app("What leaving out brings: one RK4 step, rung by rung", "leave_it_out");
-  app.add_option("--out", out, "folder for ladder.txt (default: none written)");
-  CLI11_PARSE(app, argc, argv);
+  app.add_option("--out", out, "folder for ladder.txt (default: none written)")
+      ->check(CLI::Validator(
+          [](const std::string& folder) { return folder.empty() ? "is empty" : ""; }, "DIR"));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help
+    fmt::print(stderr, "leave_it_out: {}; see --help\n", error.what());
+    return 2;
+  }
   if (!out.empty()) program::make_folder(out);  // before the work, not after it
-  const std::string ladder = ladder_table();
+  const std::string ladder = machine() + ladder_table();
   fmt::print("{}", ladder);
   if (!out.empty()) {
-    program::write_file(out / "ladder.txt", machine() + ladder);
+    program::write_file(out / "ladder.txt", ladder);
     fmt::print("{}\n", (out / "ladder.txt").string());
   }
+  if (std::fflush(stdout) != 0) throw std::runtime_error("cannot write standard output");
   return 0;
 } catch (const std::exception& error) {
   fmt::print(stderr, "leave_it_out: {}\n", error.what());
