@@ -75,9 +75,9 @@ void draw_sheet(draw::Pen& pen, Stage& stage, const Snapshot& snapshot,
     progress.show(static_cast<double>(i) / static_cast<double>(times.size()), "sheet");
     stage.advance_to(times[i]);
     const auto columns = static_cast<std::size_t>(snapshot.sheet_columns);
-    const draw::Rect cell{all.left + width * static_cast<double>(i % columns),
-                          all.top + height * static_cast<double>(i / columns), width - gap,
-                          height - gap};
+    const std::size_t row = i / columns, column = i % columns;
+    const draw::Rect cell{all.left + width * static_cast<double>(column),
+                          all.top + height * static_cast<double>(row), width - gap, height - gap};
     const draw::Rect scene{cell.left, cell.top, cell.width, cell.height - line};
     const std::array<draw::Point, 4> corners{{{scene.left, scene.top},
                                               {scene.right(), scene.top},
