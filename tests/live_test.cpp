@@ -153,7 +153,7 @@ class Session {
     for (std::size_t y = 0; y < page_height; ++y)
       for (std::size_t x = 0; x < page_width; ++x) {
         const std::size_t at = header + 12 * colors + y * row + 4 * x;
-        for (const std::size_t channel : {2, 1, 0})
+        for (const std::size_t channel : {2U, 1U, 0U})
           image.rgba.push_back(static_cast<std::uint8_t>(bytes.at(at + channel)));
         image.rgba.push_back(255);
       }
@@ -290,6 +290,16 @@ TEST_CASE("the simulated time follows the wall clock, and closing sums it up") {
   CHECK(simulated == Approx(wall).margin(0.11));
 }
 
+TEST_CASE("a scene that takes longer than real time says by how much") {
+  Session session;
+  session.open("05_revolute", {"--links", "300", "--step", "2e-5"});
+  session.key("space");
+  const double part = std::stod(session.await("cannot keep up: "));
+  CHECK(part > 0.0);
+  CHECK(part < 0.95);
+  CHECK(session.close() == 0);
+}
+
 TEST_CASE("the mouse drags a rod") {
   Session session;
   session.open("05_revolute");
@@ -329,12 +339,13 @@ TEST_CASE("a run that diverges stands still and says why, until a reset") {
   CHECK(session.close() == 0);
 }
 
-TEST_CASE("a scene that cannot be made is refused, and the one before stays") {
+TEST_CASE("a scene that cannot be made is refused, and the one before stays as it is") {
   Session session;
   session.open("07_slider_crank");
+  const std::string time = session.run_for(0.5);
   session.press("rod", -103.0);  // far shorter than the crank
   session.await("--rod 0.01: allowed is the crank, 0.3 m, or more");
-  const std::string time = session.run_for(0.5);
+  CHECK(session.await("rod ") == "1 m at t = " + time + " s");
   CHECK(alike(session.screenshot(), session.offscreen(time)));
   CHECK(session.close() == 0);
 }

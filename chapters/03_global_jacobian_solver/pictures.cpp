@@ -343,7 +343,7 @@ class DumbbellStage final : public program::MechanismStage {
     open(canvas, show);
     draw_track(canvas, scene_, view());
     if (show.trail)
-      for (const std::size_t bead : {0, 1})
+      for (const std::size_t bead : {0U, 1U})
         canvas.curve(trail(bead), canvas.theme().velocity, 2.0, draw::Dash::dotted);
     const Instant instant = now(motion);
     if (show.forces)

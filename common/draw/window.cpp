@@ -149,7 +149,7 @@ bool Window::check(const Rect& place, const std::string& text, bool& checked) {
   return ImGui::Checkbox(text.c_str(), &checked);
 }
 
-Edit Window::slider(const Rect& place, const std::string& name, double& value, const Span& span,
+bool Window::slider(const Rect& place, const std::string& name, double& value, const Span& span,
                     const std::string& unit, bool enabled) {
   ImGui::SetCursorPos(pixels(place.left, place.top));
   ImGui::SetNextItemWidth(static_cast<float>(place.width));
@@ -160,8 +160,7 @@ Edit Window::slider(const Rect& place, const std::string& name, double& value, c
       ImGuiSliderFlags_NoRoundToFormat | (span.log ? ImGuiSliderFlags_Logarithmic : 0));
   ImGui::EndDisabled();
   if (moved && span.whole) value = std::round(value);
-  if (ImGui::IsItemDeactivatedAfterEdit()) return Edit::done;
-  return moved ? Edit::moving : Edit::none;
+  return ImGui::IsItemDeactivatedAfterEdit();
 }
 
 bool Window::choice(const Rect& place, const std::string& name,

@@ -9,9 +9,6 @@
 
 namespace draw {
 
-/// How a control was moved in this frame. `done`: it was let go, at the value that it has.
-enum class Edit { none, moving, done };
-
 /// A window with pages on the left, drawn by a Pen as pictures are, and a panel of controls at the
 /// right. All places are in points, which are pixels here.
 class Window {
@@ -52,8 +49,9 @@ class Window {
   // it or, where it has none to show, at its left.
   bool button(const Rect& place, const std::string& text);
   bool check(const Rect& place, const std::string& text, bool& checked);
-  /// With its value and unit written on it; a click with the control key lets it be typed.
-  Edit slider(const Rect& place, const std::string& name, double& value, const Span& span,
+  /// With its value and unit written on it; a click with the control key lets it be typed, be it
+  /// beyond the span. True when it is let go after it was moved.
+  bool slider(const Rect& place, const std::string& name, double& value, const Span& span,
               const std::string& unit, bool enabled = true);
   bool choice(const Rect& place, const std::string& name, const std::vector<std::string>& texts,
               int& chosen);

@@ -9,7 +9,7 @@
 #include <memory>
 #include <numbers>
 
-#include "draw/page.hpp"
+#include "draw/plot.hpp"
 #include "draw/window.hpp"
 #include "measure/clock.hpp"
 #include "program/advice.hpp"
@@ -18,7 +18,6 @@
 namespace program {
 namespace {
 
-using draw::Edit;
 using draw::Rect;
 using draw::Window;
 
@@ -240,20 +239,12 @@ class Live {
       kept_run_ = run_;
       for (std::size_t i = 0; i < kept_.size(); ++i) kept_[i] = *chapter_.parameters[i].value;
     } catch (const std::exception& error) {
+      if (message_ != error.what()) say(error.what());
       message_ = error.what();
-      say(message_);
       run_ = kept_run_;
       for (std::size_t i = 0; i < kept_.size(); ++i) *chapter_.parameters[i].value = kept_[i];
     }
     player_.rest();
-  }
-
-  /// After a slider: the scene follows while it moves, and is told when it has come to rest.
-  void follow(Edit edit, const std::string& name, const double& value, const std::string& unit,
-              bool go_on) {
-    if (edit == Edit::none) return;
-    make_stage(go_on);
-    if (edit == Edit::done) say(fmt::format("{} {} {}", name, with_unit(value, unit), now()));
   }
 
   void hand() {
@@ -306,13 +297,9 @@ class Live {
     if (window_->button(layout_["run"], playing_ ? "pause" : "run")) run_or_pause();
     if (window_->button(layout_["single_step"], "step")) single_step();
     if (window_->button(layout_["reset"], "reset")) reset();
-    if (slider("speed", speed_, {0.01, 10.0, true}, "×") == Edit::done)
-      say(fmt::format("speed {:.3g} {}", speed_, now()));
+    slider("speed", speed_, {0.01, 10.0, true}, "×", {0.01, 1000.0});
     for (std::size_t i = 0; i < chapter_.parameters.size(); ++i) parameter(i);
-    const double step = run_.step;
-    const Edit edit = slider("step", run_.step, step_span_, "s");
-    run_.step = std::clamp(run_.step, 1e-12, step_span_.high);  // what is typed may be anything
-    follow(edit, "step", run_.step, "s", run_.step != step || edit == Edit::done);
+    if (slider("step", run_.step, step_span_, "s", positive)) make_stage(true);
     methods();
     toggle("forces", show_.forces);
     toggle("trail", show_.trail);
@@ -320,10 +307,16 @@ class Live {
     words();
   }
 
-  Edit slider(const std::string& name, double& value, const Window::Span& span,
-              const std::string& unit, bool enabled = true) {
+  /// True when the value was changed. It is told when it has come to rest.
+  bool slider(const std::string& name, double& value, const Window::Span& span,
+              const std::string& unit, const Range& allowed, bool enabled = true) {
     window_->text(Layout::beside(layout_[name]), name, draw::theme("light").ink);
-    return window_->slider(layout_[name], name, value, span, unit, enabled);
+    const double before = value;
+    const bool rests = window_->slider(layout_[name], name, value, span, unit, enabled);
+    // What is typed may be anything.
+    value = std::isnan(value) ? before : std::clamp(value, allowed.low, allowed.high);
+    if (rests) say(fmt::format("{} {} {}", name, with_unit(value, unit), now()));
+    return value != before;
   }
 
   void parameter(std::size_t i) {
@@ -333,12 +326,12 @@ class Live {
     bool on = value != 0.0;
     if (parameter.is(switchable) && window_->check(layout_[name + "_on"], name, on)) {
       value = on ? last_[i] : 0.0;
-      follow(Edit::done, name, value, parameter.unit, parameter.is(acts));
+      make_stage(parameter.is(acts));
+      say(fmt::format("{} {} {}", name, with_unit(value, parameter.unit), now()));
     }
-    const Edit edit = slider(name, value, spans_[i], parameter.unit);
-    value = std::clamp(value, parameter.allowed.low, parameter.allowed.high);
+    if (slider(name, value, spans_[i], parameter.unit, parameter.allowed))
+      make_stage(parameter.is(acts));
     if (value != 0.0) last_[i] = value;
-    follow(edit, name, value, parameter.unit, parameter.is(acts));
   }
 
   void methods() {
@@ -349,8 +342,8 @@ class Live {
     if (!chapter_.has_constraints) return;
     choice("stabilization", stabilizations, run_.method.stabilization);
     const bool feedback = run_.method.stabilization == measure::Stabilization::feedback;
-    follow(slider("ks", ks_, {0.1, 1e5, true}, "1/s²", feedback), "ks", ks_, "1/s²", true);
-    follow(slider("kd", kd_, {0.1, 1e3, true}, "1/s", feedback), "kd", kd_, "1/s", true);
+    if (slider("ks", ks_, {0.1, 1e5, true}, "1/s²", not_negative, feedback)) make_stage(true);
+    if (slider("kd", kd_, {0.1, 1e3, true}, "1/s", not_negative, feedback)) make_stage(true);
   }
 
   template <class Enum>

@@ -21,13 +21,14 @@ class MechanismStage : public Stage {
   /// Half the width and height of a thing's box [m]; a particle has none.
   virtual draw::Point half_size(const dynamics::ThingInfo& thing) const = 0;
 
-  /// The names of the things beside their centres, unless there are too many to be read.
+  /// The names of the things above them, unless there are too many to be read.
   void draw_names(draw::Canvas& canvas) const {
     const auto& things = motion.model().system.things();
     if (things.size() > 20) return;
     for (const dynamics::ThingInfo& thing : things)
-      canvas.label({motion.q()[thing.column], motion.q()[thing.column + 1]}, thing.name,
-                   canvas.theme().ink, draw::Font::bold, draw::Align::center, {0.0, -20.0});
+      canvas.label({motion.q()[thing.column], motion.q()[thing.column + 1] - half_size(thing).y},
+                   thing.name, canvas.theme().ink, draw::Font::bold, draw::Align::center,
+                   {0.0, -18.0});
   }
 
   Motion motion;
