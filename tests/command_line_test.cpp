@@ -90,16 +90,21 @@ TEST_CASE("a run says what its scene uses and what was left out, as counted by h
   const std::vector<std::string> uses{
       "1 thing, 2 coordinates, 1 row of rank 1, 1 degree of freedom, 32 bytes of state, ",
       "1 thing, 1 coordinate, 0 rows of rank 0, 1 degree of freedom, 16 bytes of state, ",
-      "2 things, 4 coordinates, 3 rows of rank 3, 1 degree of freedom, 4 blocks of J, 5 of its "
-      "factor, 64 bytes of state, ",
-      "1 thing, 3 coordinates, 3 rows of rank 3, 0 degrees of freedom, 1 block of J, 1 of its "
-      "factor, 48 bytes of state, ",
-      "1 thing, 3 coordinates, 2 rows of rank 2, 1 degree of freedom, 1 block of J, 1 of its "
-      "factor, 48 bytes of state, ",
-      "1 thing, 3 coordinates, 2 rows of rank 2, 1 degree of freedom, 1 block of J, 1 of its "
-      "factor, 48 bytes of state, ",
-      "3 things, 9 coordinates, 8 rows of rank 8, 1 degree of freedom, 6 blocks of J, 7 of its "
-      "factor, 144 bytes of state, "};
+      "2 things, 4 coordinates, 3 rows of rank 3, 1 degree of freedom, 4 blocks of J, 5 of the "
+      "factor "
+      "of J W Jᵀ, 64 bytes of state, ",
+      "1 thing, 3 coordinates, 3 rows of rank 3, 0 degrees of freedom, 1 block of J, 1 of the "
+      "factor "
+      "of J W Jᵀ, 48 bytes of state, ",
+      "1 thing, 3 coordinates, 2 rows of rank 2, 1 degree of freedom, 1 block of J, 1 of the "
+      "factor "
+      "of J W Jᵀ, 48 bytes of state, ",
+      "1 thing, 3 coordinates, 2 rows of rank 2, 1 degree of freedom, 1 block of J, 1 of the "
+      "factor "
+      "of J W Jᵀ, 48 bytes of state, ",
+      "3 things, 9 coordinates, 8 rows of rank 8, 1 degree of freedom, 6 blocks of J, 7 of the "
+      "factor "
+      "of J W Jᵀ, 144 bytes of state, "};
   const std::vector<std::string> names = chapters();
   REQUIRE(names.size() == uses.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
