@@ -309,9 +309,12 @@ class BlockStage final : public program::MechanismStage {
     if (scene.spins()) {
       seen.push_back({-far, -far});
       seen.push_back({far, far});
-    } else {
-      seen.push_back(
-          point(scene.incline < 0.0 ? -far * along(scene.angle()) : far * along(scene.angle())));
+    } else {  // from the start to the end, with room for the reaction
+      const Vector2d end = (scene.incline < 0.0 ? -far : far) * along(scene.angle());
+      for (const Vector2d& x : {Vector2d(0.0, 0.0), end}) {
+        seen.push_back(point(x));
+        seen.push_back(point(x - 0.2 * far * across(scene.angle())));
+      }
     }
     begin(view_of(seen, 0.12));
   }
@@ -333,6 +336,8 @@ class BlockStage final : public program::MechanismStage {
     draw_rail(canvas, {0.0, 0.0}, instant.theta, 3.0 * size_of(view()), 1.0, 2.4);
     if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.6, draw::Dash::dotted);
     draw_block(canvas, instant, 1.0);
+    if (scene_.width * canvas.points_per_metre() < 10.0)  // else it could not be seen from afar
+      canvas.bead(point(instant.x), 4.0, canvas.theme().body, canvas.theme().body_edge);
     if (show.forces)
       canvas.arrow(point(instant.x),
                    point(force_scale(largest_force(), 0.2 * size_of(view())) * instant.force),
