@@ -12,7 +12,7 @@ namespace revolute {
 class FullMatrices {
  public:
   explicit FullMatrices(const Scene& scene)
-      : pin_(Vector2d(-scene.l() / 2, 0.0), Vector2d(scene.l() / 2, 0.0)),
+      : pin_{Vector2d(-scene.l() / 2, 0.0), Vector2d(scene.l() / 2, 0.0)},
         rods_(static_cast<std::size_t>(scene.N())) {
     const Eigen::Index N = scene.N();
     const Eigen::Vector3d W_rod(1 / scene.m(), 1 / scene.m(), 1 / scene.I());
