@@ -403,6 +403,16 @@ TEST_CASE("a series is numbered, in step with its frames a second, and each pict
     for (const std::string& name : files_in(out)) CHECK(whole_png(fs::path(out) / name));
     CHECK(slurp(out + "/frame_0001.png") != slurp(out + "/frame_0006.png"));
     CHECK(shell(p + " --at 0.25").status == 0);
+    if (chapter.starts_with("05")) {
+      // Pictures stand closer than the longest step of a tolerance, and a run that diverges is
+      // stopped however long the --duration.
+      CHECK(shell(p + " --frames 3 --fps 50 --integrator dop853 --tolerance 1e-8").status == 0);
+      CHECK(slurp(out + "/frame_0002.png") != slurp(out + "/frame_0001.png"));
+      CHECK(slurp(out + "/frame_0002.png") != slurp(out + "/frame_0003.png"));
+      CHECK(shell(p + " --frames 20 --fps 10 --integrator explicit_euler --step 0.02 --links 3 "
+                      "--duration 5000")
+                .status == 1);
+    }
     if (chapter.starts_with("04"))  // nothing there changes with what is still to come
       CHECK(slurp(out + "/frame_0006.png").size() == slurp(out + "/at_0.25s.png").size());
   }

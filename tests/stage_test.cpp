@@ -29,8 +29,9 @@ bool same(const draw::Image& a, const draw::Image& b) { return a.rgba == b.rgba;
 /// A rod that hangs from a pin, at rest, with a hand on it.
 class Rod final : public program::MechanismStage {
  public:
-  explicit Rod(const RunOptions& run) : MechanismStage(run, make(run.method)) {
-    begin({-1.2, -1.2, 1.2, 1.2});
+  explicit Rod(const RunOptions& run, double half_width = 1.2)
+      : MechanismStage(run, make(run.method)) {
+    begin({-half_width, -1.2, half_width, 1.2});
   }
 
   std::string title() const override { return "rod"; }
@@ -52,6 +53,8 @@ class Rod final : public program::MechanismStage {
   }
   using MechanismStage::spring;
 
+  using MechanismStage::view;
+
   draw::Point on_page(const Eigen::Vector2d& x) const { return lens_.to_page({x.x(), x.y()}); }
 
  private:
@@ -64,11 +67,7 @@ class Rod final : public program::MechanismStage {
     mechanism.assemble();
     return mechanism;
   }
-  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
-    draw::Canvas canvas(pen, area, view());
-    open(canvas, show);
-    lens_ = canvas.lens();
-  }
+  void draw_things(draw::Canvas& canvas, const program::Show&) override { lens_ = canvas.lens(); }
   std::vector<draw::Point> marks() const override { return {{motion.q()[0], motion.q()[1]}}; }
   double force() override { return 1.0; }
   draw::Point half_size(const dynamics::ThingInfo&) const override { return {0.5, 0.0}; }
@@ -142,6 +141,17 @@ TEST_CASE("the hand pulls what it holds towards the mouse, and its work is the c
   rod.release();
   rod.advance(1000);
   CHECK(rod.samples().back().errors[0].energy < 1e-6);
+}
+
+TEST_CASE(
+    "what is seen grows with the scene, but not under a hand: its pointer stays where it is") {
+  Rod rod({.duration = 0.5, .step = 0.001}, 0.1);
+  take_end(rod, {1.0, 0.0});
+  rod.advance_to(1.0);
+  CHECK(rod.view().right == 0.1);
+  rod.release();
+  rod.advance_to(2.0);
+  CHECK(rod.view().right > 0.1);
 }
 
 TEST_CASE("the hand's spring is as soft as the step needs") {

@@ -69,10 +69,13 @@ Pair pair(const Scene& scene, integrators::Name integrator, double duration, dou
 draw::Rect draw_heading(draw::Pen& pen, const draw::Rect& area, const std::string& title,
                         double off_curve, double energy_error) {
   pen.text({area.left, area.top + 9.0}, title, pen.theme().ink, draw::Font::bold);
-  pen.text({area.left, area.top + 27.0},
-           fmt::format("|C| = {} m²,  energy error {} J", program::figure(off_curve),
-                       program::figure(std::abs(energy_error))),
-           pen.theme().muted, draw::Font::small);
+  pen.text(
+      {area.left, area.top + 27.0},
+      fmt::format("|C| = {} m²,  {}", program::figure(off_curve),
+                  std::isnan(energy_error)
+                      ? "pulled from outside"
+                      : fmt::format("energy error {} J", program::figure(std::abs(energy_error)))),
+      pen.theme().muted, draw::Font::small);
   return {area.left, area.top + 38.0, area.width, area.height - 38.0};
 }
 

@@ -338,9 +338,7 @@ class DumbbellStage final : public program::MechanismStage {
   }
 
  private:
-  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
-    Canvas canvas(pen, area, view());
-    open(canvas, show);
+  void draw_things(Canvas& canvas, const program::Show& show) override {
     draw_track(canvas, scene_, view());
     if (show.trail)
       for (const std::size_t bead : {0U, 1U})
@@ -349,7 +347,6 @@ class DumbbellStage final : public program::MechanismStage {
     if (show.forces)
       draw_forces(canvas, instant, force_scale(largest_force(), view(), 0.2), show.numbers);
     draw_dumbbell(canvas, instant);
-    if (show.names) draw_names(canvas);
   }
 
   std::vector<draw::Point> marks() const override {

@@ -248,13 +248,10 @@ class PlateStage final : public program::MechanismStage {
   }
 
  private:
-  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
-    Canvas canvas(pen, area, view());
-    open(canvas, show);
+  void draw_things(Canvas& canvas, const program::Show& show) override {
     if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.6, draw::Dash::dotted);
     draw_held_plate(canvas, scene_, now(motion).q);
     if (show.forces) draw_forces(canvas, scene_, now(motion), largest_force(), show.numbers);
-    if (show.names) draw_names(canvas);
   }
 
   std::vector<Point> marks() const override { return {{motion.q()[0], motion.q()[1]}}; }

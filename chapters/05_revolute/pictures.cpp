@@ -348,9 +348,7 @@ class ChainStage final : public program::MechanismStage {
   }
 
  private:
-  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
-    Canvas canvas(pen, area, view());
-    open(canvas, show);
+  void draw_things(Canvas& canvas, const program::Show& show) override {
     const Instant instant = now(scene_, motion);
     if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.6, draw::Dash::dotted);
     draw_chain(canvas, instant, 9.0, 1.0);
@@ -359,7 +357,6 @@ class ChainStage final : public program::MechanismStage {
                    canvas.theme().constraint_force,
                    show.numbers ? fmt::format("pin force {:.2f} N", instant.pin_force.norm()) : "");
     canvas.pin({0.0, 0.0});
-    if (show.names) draw_names(canvas);
   }
 
   std::vector<draw::Point> marks() const override {

@@ -329,9 +329,7 @@ class BlockStage final : public program::MechanismStage {
   }
 
  private:
-  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
-    Canvas canvas(pen, area, view());
-    open(canvas, show);
+  void draw_things(Canvas& canvas, const program::Show& show) override {
     const Instant instant = now(motion);
     draw_rail(canvas, {0.0, 0.0}, instant.theta, 3.0 * size_of(view()), 1.0, 2.4);
     if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.6, draw::Dash::dotted);
@@ -344,7 +342,6 @@ class BlockStage final : public program::MechanismStage {
                    canvas.theme().constraint_force,
                    show.numbers ? fmt::format("reaction {:.2f} N", instant.force.norm()) : "");
     if (scene_.spins()) canvas.pin({0.0, 0.0});
-    if (show.names) draw_names(canvas);
   }
 
   std::vector<draw::Point> marks() const override {

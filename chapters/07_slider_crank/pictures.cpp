@@ -375,16 +375,13 @@ class CrankStage final : public program::MechanismStage {
   }
 
  private:
-  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
-    Canvas canvas(pen, area, view());
-    open(canvas, show);
+  void draw_things(Canvas& canvas, const program::Show& show) override {
     const Instant at = now(scene_, motion, bodies_);
     draw_mechanism(canvas, scene_, at, true);
     if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.4, draw::Dash::dotted);
     if (show.forces)
       draw_forces(canvas, at, largest_force(), 0.4 * (scene_.crank + scene_.wheel_radius),
                   show.numbers);
-    if (show.names) draw_names(canvas);
   }
 
   /// The middle of the rod.

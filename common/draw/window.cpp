@@ -68,6 +68,7 @@ Window::Window(const std::string& title, int width, int height, double panel_wid
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   inside_->window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (inside_->window == nullptr) throw std::runtime_error("no window with OpenGL 3.3");
+  glfwSetWindowSizeLimits(inside_->window, 700, 450, GLFW_DONT_CARE, GLFW_DONT_CARE);
   glfwSetWindowUserPointer(inside_->window, inside_.get());
   glfwSetKeyCallback(inside_->window, Inside::on_key);
   glfwMakeContextCurrent(inside_->window);

@@ -32,8 +32,9 @@ void remember_for_signals(const std::string& path) {
   if (path.size() >= unfinished.size()) return;
   std::copy(path.begin(), path.end(), unfinished.begin());
   unfinished[path.size()] = '\0';
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXCPU})
-    std::signal(signal, path.empty() ? SIG_DFL : remove_unfinished);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXCPU, SIGXFSZ})
+    if (std::signal(signal, path.empty() ? SIG_DFL : remove_unfinished) == SIG_IGN)
+      std::signal(signal, SIG_IGN);  // as nohup wants it
 }
 
 }  // namespace

@@ -188,7 +188,7 @@ class Live {
     if (diverged_) return;
     if (playing_) run_or_pause();
     advance(1);
-    say("step " + now());
+    if (!diverged_) say("step " + now());
   }
 
   void reset() {
@@ -325,7 +325,7 @@ class Live {
     double& value = *parameter.value;
     bool on = value != 0.0;
     if (parameter.is(switchable) && window_->check(layout_[name + "_on"], name, on)) {
-      value = on ? last_[i] : 0.0;
+      value = !on ? 0.0 : last_[i] != 0.0 ? last_[i] : 1.0;
       make_stage(parameter.is(acts));
       say(fmt::format("{} {} {}", name, with_unit(value, parameter.unit), now()));
     }

@@ -18,8 +18,20 @@ class MechanismStage : public Stage {
     add(motion, "");
   }
 
+  /// All but the names.
+  virtual void draw_things(draw::Canvas& canvas, const Show& show) = 0;
   /// Half the width and height of a thing's box [m]; a particle has none.
   virtual draw::Point half_size(const dynamics::ThingInfo& thing) const = 0;
+
+  Motion motion;
+
+ private:
+  void draw_scene(draw::Pen& pen, const draw::Rect& area, const Show& show) override {
+    draw::Canvas canvas(pen, area, view());
+    open(canvas, show);
+    draw_things(canvas, show);
+    if (show.names) draw_names(canvas);
+  }
 
   /// The names of the things above them, unless there are too many to be read.
   void draw_names(draw::Canvas& canvas) const {
@@ -31,9 +43,6 @@ class MechanismStage : public Stage {
                    {0.0, -18.0});
   }
 
-  Motion motion;
-
- private:
   std::vector<Outline> outlines() const override {
     std::vector<Outline> all;
     for (const dynamics::ThingInfo& thing : motion.model().system.things()) {

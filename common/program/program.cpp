@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -25,6 +26,13 @@
 
 namespace program {
 namespace {
+
+/// A stream that was closed would lend its number to the next file or to the display, which would
+/// then be written into. Reading alone makes writing fail, as it did before.
+void open_standard_streams() {
+  for (int stream = 0; stream <= 2; ++stream)
+    if (fcntl(stream, F_GETFD) == -1) open("/dev/null", O_RDONLY);
+}
 
 /// A line on standard error; if that cannot be written, there is nobody to tell.
 void say(const std::string& text) { std::fputs(text.c_str(), stderr); }
@@ -618,6 +626,7 @@ std::string one_line(std::string text) {
 }  // namespace
 
 int run_chapter(int argc, char** argv, const Chapter& chapter) {
+  open_standard_streams();
   Request request;
   request.run = chapter.defaults;
   Request ladder_request = request;
@@ -682,6 +691,7 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
         ->group("Output");
     window->callback([&] {
       settle(request);
+      warn_of_gains(request.run);
       live(chapter, request.run, controls);
     });
   }

@@ -27,10 +27,11 @@ std::string write(const std::filesystem::path& path, const draw::Page& page,
 
 void print(const std::filesystem::path& path) { fmt::print("{}\n", path.string()); }
 
-/// A stage whose view and whose arrows hold for all of its way up to `end`, which is run ahead.
+/// A stage whose view and whose arrows hold for all of its way up to `end`, which is run ahead, and
+/// whose trail reaches back to its start.
 std::unique_ptr<Stage> stage_up_to(double end, const Chapter& chapter, RunOptions run,
                                    Progress& progress) {
-  run.duration = std::max(run.duration, end);
+  if (end > 0.0) run.duration = end;
   std::unique_ptr<Stage> stage = chapter.stage(run);
   const auto ahead = chapter.stage(run);
   constexpr int parts = 100;
@@ -42,8 +43,11 @@ std::unique_ptr<Stage> stage_up_to(double end, const Chapter& chapter, RunOption
   return stage;
 }
 
-void take_series(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& run,
+void take_series(const Snapshot& snapshot, const Chapter& chapter, RunOptions run,
                  const std::filesystem::path& out) {
+  // Between two pictures a tolerance takes at least one step of its own.
+  if (run.method.tolerance > 0.0)
+    run.step = snapshot.interval() / std::ceil(snapshot.interval() / run.step);
   const auto name = [&,
                      digits = std::max<std::size_t>(4, fmt::formatted_size("{}", snapshot.frames))](
                         long frame) { return fmt::format("frame_{:0{}}.png", frame, digits); };

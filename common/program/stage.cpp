@@ -44,9 +44,13 @@ void Stage::count_from_here() {
 }
 
 void Stage::advance(long steps) {
+  constexpr long unwatched = 20;  // steps that a run which diverges may go on unseen
   while (steps > 0) {
-    const long some = std::min(steps, until_next_);
-    for (const Watched& watched : simulations_) watched.simulation->advance(some, run_.step);
+    const long some = std::min({steps, until_next_, unwatched});
+    for (Watched& watched : simulations_) {
+      watched.simulation->advance(some, run_.step);
+      watched.watch->look(watched.simulation->measures());
+    }
     steps -= some;
     until_next_ -= some;
     if (until_next_ == 0) remember();
@@ -57,14 +61,12 @@ void Stage::advance_to(double t) { advance(std::max(0L, std::lround((t - time())
 
 void Stage::remember() {
   Sample sample{time(), marks(), {}, force()};
-  for (std::size_t i = 0; i < simulations_.size(); ++i) {
-    simulations_[i].watch->look(simulations_[i].simulation->measures());
-    sample.errors.push_back(errors_now(i));
-  }
+  for (std::size_t i = 0; i < simulations_.size(); ++i) sample.errors.push_back(errors_now(i));
   // In large strides, since axes that move with every step cannot be read.
   const double width = view_.right - view_.left, height = view_.bottom - view_.top;
   for (const draw::Point& mark : sample.marks) {
     if (!(std::abs(mark.x) < 1e15 && std::abs(mark.y) < 1e15)) continue;
+    if (spring_) continue;  // it would move the place to which a pointer at rest pulls
     if (mark.x < view_.left) view_.left = mark.x - 0.25 * width;
     if (mark.x > view_.right) view_.right = mark.x + 0.25 * width;
     if (mark.y < view_.top) view_.top = mark.y - 0.25 * height;
