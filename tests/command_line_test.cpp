@@ -268,7 +268,10 @@ TEST_CASE("unusable arguments: one line that names them, exit status 2") {
       check_refused(p + "snapshot --frames 2 --fps " + bad, std::string("--fps ") + bad);
     for (const char* bad : {"4", "0x3", "4x21", "4x3x2", "4.5x3", "x"})
       check_refused(p + "snapshot --sheet " + bad, std::string("--sheet ") + bad);
+    check_refused(p + "snapshot --sheet 20x20", "--sheet 20x20");  // too small to be made out
+    check_refused(p + "snapshot --sheet 6x2 --size 480x300", "--sheet 6x2");
     check_refused(p + "snapshot --frames 3 --sheet 4x3", "--sheet 4x3");
+    check_refused(p + "snapshot --frames 3 --fps 51 --step 0.02", "--fps 51");  // some twice
     check_refused(p + "snapshot --frames 3 --at 1", "--at 1");
     check_refused(p + "snapshot --sheet 2x1 --at 0,0.1,0.2", "--sheet 2x1");
     check_refused(p + "snapshot --frames 100000 --fps 0.001 --step 0.001", "--frames 100000");
@@ -402,7 +405,9 @@ TEST_CASE("a series is numbered, in step with its frames a second, and each pict
                                                     "frame_0005.png", "frame_0006.png"});
     for (const std::string& name : files_in(out)) CHECK(whole_png(fs::path(out) / name));
     CHECK(slurp(out + "/frame_0001.png") != slurp(out + "/frame_0006.png"));
-    CHECK(shell(p + " --at 0.25").status == 0);
+    CHECK(shell(p + " --frames 1 --fps 1000").status == 0);
+    CHECK(shell(p + " --at 0.25,0.250").out.find("at_0.25s") ==
+          shell(p + " --at 0.25").out.rfind("at_0.25s"));
     if (chapter.starts_with("05")) {
       // Pictures stand closer than the longest step of a tolerance, and a run that diverges is
       // stopped however long the --duration.
@@ -435,9 +440,9 @@ TEST_CASE("a sheet shows the scene at equal times or at chosen ones") {
 
 TEST_CASE("a series that is interrupted leaves whole pictures and nothing else") {
   const Folder folder;
-  const Result result = shell(
-      fmt::format("timeout -s INT 4 {} snapshot --frames 100000 --fps 1000 --scale 1 --out {}",
-                  program("01_particle_on_curve_implicit"), folder.path.string()));
+  const Result result =
+      shell(fmt::format("timeout -s INT 4 {} snapshot --frames 100000 --fps 100 --scale 1 --out {}",
+                        program("01_particle_on_curve_implicit"), folder.path.string()));
   CHECK(result.status == 124);
   const std::vector<std::string> names = files_in(folder.path);
   CHECK(names.size() > 1);

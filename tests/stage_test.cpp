@@ -225,6 +225,20 @@ TEST_CASE("the player follows the wall clock whatever the frame rate") {
   }
 }
 
+TEST_CASE("the player does not make up for the time in which the program stood still") {
+  program::Player player;
+  long steps = 0;
+  const auto frame = [&](double wall) {
+    player.play(
+        wall, 2.0, 0.001, [&](long some) { steps += some; }, [] { return 0.0; });
+  };
+  frame(600.0);
+  CHECK(steps == std::lround(2.0 * program::Player::longest / 0.001));
+  CHECK(player.kept() < 0.01);
+  for (int i = 0; i < 300; ++i) frame(1.0 / 60.0);
+  CHECK(player.kept() > 0.95);
+}
+
 TEST_CASE("a step longer than a frame is taken when its time has come") {
   program::Player player;
   long steps = 0;

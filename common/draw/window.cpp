@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
@@ -34,6 +35,12 @@ struct Window::Inside {
   Theme theme;
   Fonts fonts{};
   std::array<int, 4> presses{};  // of each Key
+  bool escaped = false;          // since the last frame, as they
+  struct Typed {
+    std::string slider;
+    double value;
+  };
+  std::optional<Typed> typed{};  // on a slider, and not yet taken
   double frame_seconds = 0.0;
   Clock::time_point next_frame = Clock::now();
 
@@ -51,8 +58,11 @@ struct Window::Inside {
   // the keys once a frame, is not asked.
   static void on_key(GLFWwindow* window, int key, int, int action, int) {
     auto& inside = *static_cast<Inside*>(glfwGetWindowUserPointer(window));
-    if (action == GLFW_RELEASE || ImGui::GetIO().WantTextInput) return;
-    if (key == GLFW_KEY_ESCAPE) glfwSetWindowShouldClose(window, GLFW_TRUE);
+    if (action == GLFW_RELEASE) return;
+    if (key == GLFW_KEY_ESCAPE) inside.escaped = true;
+    if (ImGui::GetIO().WantTextInput) return;
+    if (key == GLFW_KEY_ESCAPE && !ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup))
+      glfwSetWindowShouldClose(window, GLFW_TRUE);
     constexpr std::array keys{GLFW_KEY_SPACE, GLFW_KEY_RIGHT, GLFW_KEY_R, GLFW_KEY_S};
     for (std::size_t i = 0; i < keys.size(); ++i)
       if (key == keys[i]) ++inside.presses[i];
@@ -91,6 +101,7 @@ bool Window::open() const { return glfwWindowShouldClose(inside_->window) == GLF
 
 void Window::frame(const std::function<void()>& draw) {
   inside_->presses = {};
+  inside_->escaped = false;
   glfwPollEvents();
   const Clock::time_point start = Clock::now();
   ImGui_ImplOpenGL3_NewFrame();
@@ -155,31 +166,47 @@ bool Window::slider(const Rect& place, const std::string& name, double& value, c
   ImGui::SetCursorPos(pixels(place.left, place.top));
   ImGui::SetNextItemWidth(static_cast<float>(place.width));
   const std::string format = "%.4g " + unit;
+  auto& typed = inside_->typed;
+  const bool ours = typed && typed->slider == name;
+  double shown = ours ? typed->value : value;
   ImGui::BeginDisabled(!enabled);
   const bool moved = ImGui::SliderScalar(
-      ("##" + name).c_str(), ImGuiDataType_Double, &value, &span.low, &span.high, format.c_str(),
+      ("##" + name).c_str(), ImGuiDataType_Double, &shown, &span.low, &span.high, format.c_str(),
       ImGuiSliderFlags_NoRoundToFormat | (span.log ? ImGuiSliderFlags_Logarithmic : 0));
   ImGui::EndDisabled();
-  if (moved && span.whole) value = std::round(value);
-  return ImGui::IsItemDeactivatedAfterEdit();
+  const bool let_go = ImGui::IsItemDeactivatedAfterEdit();
+  // Half a number is another number, so what is typed counts at its end.
+  if (moved && !let_go && ImGui::GetIO().WantTextInput)
+    typed = {name, shown};
+  else if ((moved || (ours && let_go)) && !inside_->escaped)
+    value = span.whole ? std::round(shown) : shown;
+  if (ours && let_go) typed.reset();
+  return let_go;
 }
 
 bool Window::choice(const Rect& place, const std::string& name,
                     const std::vector<std::string>& texts, int& chosen) {
   ImGui::SetCursorPos(pixels(place.left, place.top));
   ImGui::SetNextItemWidth(static_cast<float>(place.width));
-  std::vector<const char*> items;
-  for (const std::string& text : texts) items.push_back(text.c_str());
-  return ImGui::Combo(("##" + name).c_str(), &chosen, items.data(), static_cast<int>(items.size()));
+  const int before = chosen;
+  if (!ImGui::BeginCombo(("##" + name).c_str(), texts[static_cast<std::size_t>(chosen)].c_str()))
+    return false;
+  for (int i = 0; i < static_cast<int>(texts.size()); ++i)
+    if (ImGui::Selectable(texts[static_cast<std::size_t>(i)].c_str(), i == before)) chosen = i;
+  if (inside_->escaped) ImGui::CloseCurrentPopup();
+  ImGui::EndCombo();
+  return chosen != before;
 }
 
 void Window::text(const Rect& place, const std::string& utf8, const Color& ink) {
+  // Dear ImGui would break a line at the point of a number.
+  std::string lines;
+  for (const std::string& line : pen(1.0, 1.0).wrap(utf8, Font::small, place.width))
+    lines += (lines.empty() ? "" : "\n") + line;
   ImGui::SetCursorPos(pixels(place.left, place.top));
-  ImGui::PushTextWrapPos(static_cast<float>(place.right()));
   ImGui::PushStyleColor(ImGuiCol_Text, color(ink));
-  ImGui::TextWrapped("%s", utf8.c_str());
+  ImGui::TextUnformatted(lines.c_str());
   ImGui::PopStyleColor();
-  ImGui::PopTextWrapPos();
 }
 
 }  // namespace draw

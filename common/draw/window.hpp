@@ -30,7 +30,7 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// Until it was closed, or Escape pressed.
+  /// Until it was closed, or Escape pressed outside a list and what is typed.
   bool open() const;
   /// One frame, at most 60 of them a second. All that follows is for `draw` to call.
   void frame(const std::function<void()>& draw);
@@ -50,11 +50,12 @@ class Window {
   bool button(const Rect& place, const std::string& text);
   bool check(const Rect& place, const std::string& text, bool& checked);
   /// With its value and unit written on it; a click with the control key lets it be typed, be it
-  /// beyond the span. True when it is let go after it was moved.
+  /// beyond the span, and Enter takes it. True when it is let go after it was moved.
   bool slider(const Rect& place, const std::string& name, double& value, const Span& span,
               const std::string& unit, bool enabled = true);
   bool choice(const Rect& place, const std::string& name, const std::vector<std::string>& texts,
               int& chosen);
+  /// Broken into lines between words.
   void text(const Rect& place, const std::string& utf8, const Color& color);
 
  private:

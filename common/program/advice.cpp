@@ -16,8 +16,8 @@ double rounded_down(double value) {
   return std::floor(value / unit) * unit;
 }
 
-}  // namespace
-
+/// The step up to which the feedback is stable, 0 where none is; nothing where it is stable as it
+/// is.
 std::optional<double> limit_of_feedback(const RunOptions& run) {
   const auto& method = run.method;
   if (method.stabilization != measure::Stabilization::feedback || method.tolerance > 0.0 ||
@@ -27,6 +27,19 @@ std::optional<double> limit_of_feedback(const RunOptions& run) {
   // Bisection ends somewhere even where nothing but 0 is stable.
   const bool never = limit * std::max(std::sqrt(method.ks), method.kd) < 1e-4;
   return never ? 0.0 : rounded_down(limit);
+}
+
+}  // namespace
+
+std::optional<std::string> fault_of_gains(const RunOptions& run) {
+  const auto limit = limit_of_feedback(run);
+  if (!limit) return std::nullopt;
+  const measure::Method& method = run.method;
+  return fmt::format("feedback with ks = {:g} 1/s², kd = {:g} 1/s cannot be stable with {} at {}",
+                     method.ks, method.kd, integrators::method(method.integrator).text,
+                     *limit == 0.0
+                         ? std::string("any step")
+                         : fmt::format("a step of {:g} s, only up to {:.3g} s", run.step, *limit));
 }
 
 std::string advice(const Chapter& chapter, const RunOptions& run) {

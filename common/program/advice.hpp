@@ -7,9 +7,8 @@
 
 namespace program {
 
-/// The step up to which the feedback is stable, 0 where none is; nothing where it is stable as it
-/// is.
-std::optional<double> limit_of_feedback(const RunOptions& run);
+/// Nothing where the feedback is stable at the run's step; else what is wrong, in one line.
+std::optional<std::string> fault_of_gains(const RunOptions& run);
 
 /// What to try after a run that could not go on.
 std::string advice(const Chapter& chapter, const RunOptions& run);

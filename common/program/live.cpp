@@ -136,6 +136,7 @@ class Live {
       kept_.push_back(*parameter.value);
     }
     last_ = kept_;
+    message_ = fault_of_gains(run).value_or("");
     if (run.method.stabilization != measure::Stabilization::feedback) return;
     ks_ = run.method.ks;
     kd_ = run.method.kd;
@@ -230,20 +231,22 @@ class Live {
     const bool feedback = run_.method.stabilization == measure::Stabilization::feedback;
     run_.method.ks = feedback ? ks_ : 0.0;
     run_.method.kd = feedback ? kd_ : 0.0;
+    std::string message;
     try {
       auto stage = chapter_.stage(run_);
       if (go_on && !diverged_ && stage_->time() > 0.0) stage->take_over(*stage_);
       stage_ = std::move(stage);
-      message_.clear();
+      message = fault_of_gains(run_).value_or("");
       diverged_ = false;
       kept_run_ = run_;
       for (std::size_t i = 0; i < kept_.size(); ++i) kept_[i] = *chapter_.parameters[i].value;
     } catch (const std::exception& error) {
-      if (message_ != error.what()) say(error.what());
-      message_ = error.what();
+      message = error.what();
       run_ = kept_run_;
       for (std::size_t i = 0; i < kept_.size(); ++i) *chapter_.parameters[i].value = kept_[i];
     }
+    if (!message.empty() && message != message_) say(message);
+    message_ = message;
     player_.rest();
   }
 
@@ -297,9 +300,9 @@ class Live {
     if (window_->button(layout_["run"], playing_ ? "pause" : "run")) run_or_pause();
     if (window_->button(layout_["single_step"], "step")) single_step();
     if (window_->button(layout_["reset"], "reset")) reset();
-    slider("speed", speed_, {0.01, 10.0, true}, "×", {0.01, 1000.0});
+    slider("speed", speed_, {0.01, 10.0, true}, "×", {0.01, 1000.0}, [] {});
     for (std::size_t i = 0; i < chapter_.parameters.size(); ++i) parameter(i);
-    if (slider("step", run_.step, step_span_, "s", positive)) make_stage(true);
+    slider("step", run_.step, step_span_, "s", positive, [this] { make_stage(true); });
     methods();
     toggle("forces", show_.forces);
     toggle("trail", show_.trail);
@@ -307,16 +310,17 @@ class Live {
     words();
   }
 
-  /// True when the value was changed. It is told when it has come to rest.
-  bool slider(const std::string& name, double& value, const Window::Span& span,
-              const std::string& unit, const Range& allowed, bool enabled = true) {
+  /// Applies each change of the value, and tells it when it has come to rest.
+  template <class Apply>
+  void slider(const std::string& name, double& value, const Window::Span& span,
+              const std::string& unit, const Range& allowed, Apply&& apply, bool enabled = true) {
     window_->text(Layout::beside(layout_[name]), name, draw::theme("light").ink);
     const double before = value;
     const bool rests = window_->slider(layout_[name], name, value, span, unit, enabled);
     // What is typed may be anything.
     value = std::isnan(value) ? before : std::clamp(value, allowed.low, allowed.high);
+    if (value != before) apply();
     if (rests) say(fmt::format("{} {} {}", name, with_unit(value, unit), now()));
-    return value != before;
   }
 
   void parameter(std::size_t i) {
@@ -329,8 +333,8 @@ class Live {
       make_stage(parameter.is(acts));
       say(fmt::format("{} {} {}", name, with_unit(value, parameter.unit), now()));
     }
-    if (slider(name, value, spans_[i], parameter.unit, parameter.allowed))
-      make_stage(parameter.is(acts));
+    slider(name, value, spans_[i], parameter.unit, parameter.allowed,
+           [&] { make_stage(parameter.is(acts)); });
     if (value != 0.0) last_[i] = value;
   }
 
@@ -342,8 +346,9 @@ class Live {
     if (!chapter_.has_constraints) return;
     choice("stabilization", stabilizations, run_.method.stabilization);
     const bool feedback = run_.method.stabilization == measure::Stabilization::feedback;
-    if (slider("ks", ks_, {0.1, 1e5, true}, "1/s²", not_negative, feedback)) make_stage(true);
-    if (slider("kd", kd_, {0.1, 1e3, true}, "1/s", not_negative, feedback)) make_stage(true);
+    const auto apply = [this] { make_stage(true); };
+    slider("ks", ks_, {0.1, 1e5, true}, "1/s²", not_negative, apply, feedback);
+    slider("kd", kd_, {0.1, 1e3, true}, "1/s", not_negative, apply, feedback);
   }
 
   template <class Enum>

@@ -214,8 +214,11 @@ void add_page(CLI::App& app, Request& request) {
                  number("--at", texts.substr(from, comma - from), not_negative));
              from = comma + 1;
            }
+           auto& at = request.snapshot.at;
+           std::sort(at.begin(), at.end());
+           at.erase(std::unique(at.begin(), at.end()), at.end());
          },
-         "the scene at these times instead of the lesson's pictures")
+         "the scene at these times, at the nearest step, instead of the lesson's pictures")
       ->type_name("T[,T...] [s]")
       ->group("Output");
   add_number(
@@ -270,14 +273,7 @@ void settle(Request& request) {
 
 /// Once, when the feedback itself is unstable at this step.
 void warn_of_gains(const RunOptions& run) {
-  const auto limit = limit_of_feedback(run);
-  if (!limit) return;
-  const auto& [integrator, stabilization, ks, kd, tolerance] = run.method;
-  say(fmt::format(
-      "warning: feedback with ks = {:g} 1/s², kd = {:g} 1/s cannot be stable with {} at {}\n", ks,
-      kd, integrators::method(integrator).text,
-      *limit == 0.0 ? std::string("any step")
-                    : fmt::format("a step of {:g} s, only up to {:.3g} s", run.step, *limit)));
+  if (const auto fault = fault_of_gains(run)) say(fmt::format("warning: {}\n", *fault));
 }
 
 // ----------------------------------------------------------------------------------------------
@@ -750,7 +746,8 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
   } catch (const std::exception& error) {
     return complain(error.what(), 1);
   }
-  if (std::fflush(stdout) != 0) return complain("cannot write standard output", 1);
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    return complain("cannot write standard output", 1);
   return 0;
 }
 

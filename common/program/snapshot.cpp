@@ -97,7 +97,6 @@ void draw_sheet(draw::Pen& pen, Stage& stage, const Snapshot& snapshot,
 void take_sheet(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& run,
                 const std::filesystem::path& out) {
   std::vector<double> times = snapshot.at;
-  std::sort(times.begin(), times.end());
   if (times.empty())
     for (int i = 0; i < snapshot.cells(); ++i)
       times.push_back(run.duration * i / std::max(1, snapshot.cells() - 1));
@@ -124,10 +123,19 @@ void Snapshot::check(const RunOptions& run, double most_steps) const {
   if (sheet && at.size() > static_cast<std::size_t>(cells()))
     throw UsageError(fmt::format("--sheet {}x{}: allowed are {} times at most with --at, not {}",
                                  sheet_columns, sheet_rows, cells(), at.size()));
+  constexpr int cell_width = 96, cell_height = 75;  // in which a scene can be made out [points]
+  if (sheet && (page.width < sheet_columns * cell_width || page.height < sheet_rows * cell_height))
+    throw UsageError(fmt::format(
+        "--sheet {}x{}: allowed are at most {}x{} on {}x{} points (--size)", sheet_columns,
+        sheet_rows, page.width / cell_width, page.height / cell_height, page.width, page.height));
   for (const double t : at)
     if (t / run.step > most_steps)
       throw UsageError(fmt::format("--at {:g}: allowed is at most {:g} s with a step of {:g} s", t,
                                    most_steps * run.step, run.step));
+  if (frames > 1 && run.method.tolerance == 0.0 && interval() < (1.0 - 1e-9) * run.step)
+    throw UsageError(
+        fmt::format("--fps {:g}: allowed is at most {:g}, a picture each step of {:g} s",
+                    1.0 / interval(), 1.0 / run.step, run.step));
   if (static_cast<double>(frames) * interval() / run.step > most_steps)
     throw UsageError(
         fmt::format("--frames {}: allowed is at most {:g} s of them with a step of {:g} s", frames,
