@@ -270,6 +270,7 @@ TEST_CASE("unusable arguments: one line that names them, exit status 2") {
       check_refused(p + "snapshot --sheet " + bad, std::string("--sheet ") + bad);
     check_refused(p + "snapshot --sheet 20x20", "--sheet 20x20");  // too small to be made out
     check_refused(p + "snapshot --sheet 6x2 --size 480x300", "--sheet 6x2");
+    check_refused(p + "snapshot --sheet 2x2 --duration 2 --step 1", "--sheet 2x2");
     check_refused(p + "snapshot --frames 3 --sheet 4x3", "--sheet 4x3");
     check_refused(p + "snapshot --frames 3 --fps 51 --step 0.02", "--fps 51");  // some twice
     check_refused(p + "snapshot --frames 3 --at 1", "--at 1");
@@ -412,6 +413,8 @@ TEST_CASE("a series is numbered, in step with its frames a second, and each pict
       // Pictures stand closer than the longest step of a tolerance, and a run that diverges is
       // stopped however long the --duration.
       CHECK(shell(p + " --frames 3 --fps 50 --integrator dop853 --tolerance 1e-8").status == 0);
+      CHECK(
+          holds(shell(p + " --at 0.333 --integrator dop853 --tolerance 1e-8").out, "t = 0.333 s"));
       CHECK(slurp(out + "/frame_0002.png") != slurp(out + "/frame_0001.png"));
       CHECK(slurp(out + "/frame_0002.png") != slurp(out + "/frame_0003.png"));
       CHECK(shell(p + " --frames 20 --fps 10 --integrator explicit_euler --step 0.02 --links 3 "

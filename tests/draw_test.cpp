@@ -14,8 +14,10 @@
 #include "draw/page.hpp"
 #include "draw/plot.hpp"
 #include "draw/ticks.hpp"
+#include "picture_check.hpp"
 
 using namespace draw;
+using picture_check::Difference, picture_check::difference, picture_check::read_png;
 
 namespace {
 
@@ -149,17 +151,42 @@ TEST_CASE("difference measures steps and windows exactly, and shows where") {
 TEST_CASE("a canvas has one scale, its view in the middle, y down") {
   render(small_page, [](Pen& pen) {
     const Canvas canvas(pen, {10, 20, 300, 100}, {-2, -1, 2, 1});
-    CHECK(canvas.points_per_metre() == Approx(50));
+    CHECK(canvas.points_per_metre() == Approx(42));  // 2 m on 100 points but 8 at each edge
     const Point middle = canvas.to_page(0, 0), below = canvas.to_page(0, 1),
                 right = canvas.to_page(2, 0);
     CHECK(middle.x == Approx(160));
     CHECK(middle.y == Approx(70));
     CHECK(below.x == Approx(160));
-    CHECK(below.y == Approx(120));
-    CHECK(right.x == Approx(260));
+    CHECK(below.y == Approx(112));
+    CHECK(right.x == Approx(244));
     CHECK(right.y == Approx(70));
     CHECK_THROWS_AS(Canvas(pen, {0, 0, 10, 10}, {0, 1, 1, 0}), std::invalid_argument);
   });
+}
+
+TEST_CASE("labels of arrows cover neither each other nor another arrow") {
+  const Color red{255, 0, 0}, blue{0, 0, 255};
+  const auto count = [](const Image& image, Color color) {
+    int pixels = 0;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) pixels += same(pixel(image, x, y), color);
+    return pixels;
+  };
+  const auto draw = [&](bool first, bool second, Point other) {
+    return render(small_page, [&](Pen& pen) {
+      Canvas canvas(pen, {0, 0, 320, 200}, {-2, -2, 2, 2});
+      if (first) canvas.arrow({0, 0}, {0, -1}, red, "weight 1.00 N");
+      if (second) canvas.arrow({0, 0}, other, blue, "applied 1.05 N");
+    });
+  };
+  // side by side, head to label, one after the other
+  for (const Point other : {Point{0.3, -1.0}, Point{0.35, -1.5}, Point{0.9, 0.0}}) {
+    INFO(other.x << ", " << other.y);
+    const Image both = draw(true, true, other);
+    CHECK(count(both, red) == Approx(count(draw(true, false, other), red)).margin(25));
+    CHECK(count(both, blue) == Approx(count(draw(false, true, other), blue)).margin(2));
+    CHECK(count(both, red) > 50);
+  }
 }
 
 TEST_CASE("axes make room for their numbers and so come first") {

@@ -6,50 +6,36 @@
 #include <string>
 #include <vector>
 
-#include "catch.hpp"
 #include "draw/image.hpp"
-#include "draw/offscreen.hpp"
-#include "program/files.hpp"
 #include "program/pictures.hpp"
-#include "program/report.hpp"
 
 namespace picture_check {
 
+using draw::Image;
+
+/// Throws std::runtime_error, naming the file, when it cannot be read as a PNG.
+Image read_png(const std::filesystem::path& file);
+
+/// How two pictures differ, opacity apart, with channels counted 0 … 255. A pixel that only one of
+/// them has counts as 255.
+struct Difference {
+  bool same_size = true;
+  int largest_step = 0;     ///< the largest difference of a channel over all pixels
+  double worst_window = 0;  ///< the largest mean over the 16 × 16 windows of both pictures
+  Image picture;            ///< `actual` in pale grey, with the differences in red
+};
+
+Difference difference(const Image& expected, const Image& actual);
+
 /// Machines differ by a few steps of a channel where a shape ends between two pixels. Whatever a
 /// reader would see differs by far more: a bead moved by a pixel by 100 steps and more at its edge.
-inline bool alike(const draw::Difference& difference) {
-  return difference.same_size && difference.largest_step <= 12 && difference.worst_window <= 1.0;
-}
+bool alike(const Image& expected, const Image& actual);
 
-inline void compare(const std::string& chapter, const std::string& name,
-                    const draw::Image& actual) {
-  const std::filesystem::path committed =
-      std::filesystem::path(TUTORIAL_SOURCE) / "chapters" / chapter / "snapshots" / (name + ".png");
-  INFO("expected: " << committed.string());
-  const draw::Image expected = draw::read_png(committed);
-  const draw::Difference difference = draw::difference(expected, actual);
-  if (alike(difference)) {
-    SUCCEED();
-    return;
-  }
-  const std::filesystem::path folder =
-      std::filesystem::path(TUTORIAL_BIN).parent_path() / "picture_failures" / chapter;
-  program::make_folder(folder);
-  program::write_file(folder / (name + "_expected.png"), draw::encode_png(expected));
-  program::write_file(folder / (name + "_actual.png"), draw::encode_png(actual));
-  program::write_file(folder / (name + "_difference.png"), draw::encode_png(difference.picture));
-  FAIL_CHECK("largest channel step "
-             << difference.largest_step << ", worst 16x16 window " << difference.worst_window
-             << "; expected, actual and difference are in " << folder.string());
-}
+/// With the picture in the snapshots of a chapter. Where they differ, both and their difference are
+/// written to a folder that the message names.
+void compare(const std::string& chapter, const std::string& name, const Image& actual);
 
 /// All pictures of a chapter at the defaults of its program, and the plot of its committed report.
-inline void compare_all(const std::string& chapter, const std::vector<program::Picture>& pictures) {
-  for (const program::Picture& picture : pictures)
-    compare(chapter, picture.name, draw::render({}, picture.draw));
-  const auto report = program::read_csv(std::filesystem::path(TUTORIAL_SOURCE) / "chapters" /
-                                        chapter / "snapshots" / "error_vs_time.csv");
-  compare(chapter, "error_vs_time", draw::render({}, program::error_picture(report).draw));
-}
+void compare_all(const std::string& chapter, const std::vector<program::Picture>& pictures);
 
 }  // namespace picture_check

@@ -106,6 +106,25 @@ TEST_CASE("a stage keeps the last duration of its way, and no more") {
   CHECK(stage->samples().size() == 1001);
 }
 
+TEST_CASE("a run that diverges is remembered up to its end") {
+  const auto stage = slider_crank::stage(
+      {}, {.duration = 20.0, .step = 0.02, .method = {integrators::Name::explicit_euler}});
+  CHECK_THROWS_AS(stage->advance(1000), measure::Diverged);
+  CHECK(stage->samples().back().t == stage->time());
+  CHECK(stage->samples().back().errors[0].energy > 1.0);
+}
+
+TEST_CASE("with a tolerance a stage comes to any time exactly") {
+  const auto stage = slider_crank::stage(
+      {}, {.duration = 2.0,
+           .step = 0.04,
+           .method = {integrators::Name::dop853, measure::Stabilization::none, 0, 0, 1e-9}});
+  for (const double t : {0.1, 0.333, 1.0, 1.01}) {
+    stage->advance_to(t);
+    CHECK(stage->time() == Approx(t).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("a stage goes on under another load from where another is, and counts its energy anew") {
   const auto before = slider_crank::stage({}, crank_run);
   before->advance(600);

@@ -254,7 +254,9 @@ class BeadStage final : public program::Stage {
   double force() override {
     return std::max(instant().constraint_force.norm(), scene_.applied_force().norm());
   }
-  std::vector<Outline> outlines() const override { return {{.center = point(motion_.q())}}; }
+  std::vector<Outline> outlines() const override {
+    return {{.center = point(motion_.q()), .velocity = point(motion_.v())}};
+  }
   Mass hold(std::size_t, draw::Point) override { return {scene_.mass, scene_.mass}; }
 
   Scene scene_;

@@ -282,10 +282,15 @@ class PairStage final : public program::Stage {
     const Vector2d x = side == 0 ? place(implicit_) : place(parametric_);
     if (show.forces) {
       const double longest = 0.16 * (view().right - view().left);
-      canvas.arrow(point(x), point(longest / largest_force() * curve_force(side)),
-                   canvas.theme().constraint_force);
+      const Vector2d force = curve_force(side);
+      canvas.arrow(point(x), point(longest / largest_force() * force),
+                   canvas.theme().constraint_force,
+                   show.numbers ? fmt::format("constraint force {:.2f} N", force.norm()) : "");
     }
     parabola::draw_bead(canvas, x);
+    if (!show.numbers)
+      canvas.label({view().left, view().top}, names()[side], canvas.theme().muted,
+                   draw::Font::small);
     if (show.names)
       canvas.label(point(x), "particle", canvas.theme().ink, draw::Font::bold, draw::Align::left,
                    {14.0, 14.0});
@@ -294,6 +299,9 @@ class PairStage final : public program::Stage {
   static Vector2d place(const measure::Motion<parabola::HeldBead>& motion) { return motion.q(); }
   static Vector2d place(const measure::Motion<HeldParametric>& motion) {
     return motion.model().x(motion.q());
+  }
+  static Vector2d velocity(const measure::Motion<HeldParametric>& motion) {
+    return motion.model().v(motion.q(), motion.v());
   }
   Vector2d curve_force(std::size_t side) {
     const measure::Row row = side == 0 ? implicit_.row() : parametric_.row();
@@ -311,8 +319,10 @@ class PairStage final : public program::Stage {
   }
   double force() override { return std::max(curve_force(0).norm(), curve_force(1).norm()); }
   std::vector<Outline> outlines() const override {
-    return {{.center = point(place(implicit_)), .canvas = 0},
-            {.center = point(place(parametric_)), .canvas = 1}};
+    return {{.center = point(place(implicit_)), .velocity = point(implicit_.v()), .canvas = 0},
+            {.center = point(place(parametric_)),
+             .velocity = point(velocity(parametric_)),
+             .canvas = 1}};
   }
   Mass hold(std::size_t, draw::Point) override { return {scene_.mass, scene_.mass}; }
 

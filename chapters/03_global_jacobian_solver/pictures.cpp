@@ -91,10 +91,12 @@ void draw_track(Canvas& canvas, const Scene& scene, const draw::View& view) {
   parabola::draw_track(canvas, parabola::Scene{.p = scene.p}, view);
 }
 
-void draw_dumbbell(Canvas& canvas, const Instant& instant, double presence = 1.0) {
-  const auto& theme = canvas.theme();
-  canvas.link(point(instant.x1), point(instant.x2), 5.0, theme.body.faded(presence),
-              theme.body_edge.faded(presence));
+void draw_rod(Canvas& canvas, const Instant& instant, double presence = 1.0) {
+  canvas.link(point(instant.x1), point(instant.x2), 5.0, canvas.theme().body.faded(presence),
+              canvas.theme().body_edge.faded(presence));
+}
+
+void draw_beads(Canvas& canvas, const Instant& instant, double presence = 1.0) {
   parabola::draw_bead(canvas, instant.x1, presence);
   parabola::draw_bead(canvas, instant.x2, presence);
 }
@@ -172,8 +174,9 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
                          fmt::format("weight {:.2f} N", weight1));
             canvas.arrow(point(instant.x2), {0.0, scale * weight2}, canvas.theme().weight,
                          fmt::format("weight {:.2f} N", weight2));
+            draw_rod(canvas, instant);
             draw_forces(canvas, instant, scale, true);
-            draw_dumbbell(canvas, instant);
+            draw_beads(canvas, instant);
             const double side = scene.x2 > scene.x1 ? 1.0 : -1.0;
             const auto outer = side > 0.0 ? draw::Align::left : draw::Align::right;
             canvas.label(point(instant.x2), fmt::format("bead2, {:g} kg", scene.m2),
@@ -248,7 +251,9 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
             draw_track(canvas, scene, seen);
             for (std::size_t i = 0; i < instants.size(); ++i) {
               const Instant& instant = instants[i];
-              draw_dumbbell(canvas, instant, 0.3 + 0.7 * static_cast<double>(i) / (exposures - 1));
+              const double presence = 0.3 + 0.7 * static_cast<double>(i) / (exposures - 1);
+              draw_rod(canvas, instant, presence);
+              draw_beads(canvas, instant, presence);
               draw_forces(canvas, instant, scale, false);
               const Vector2d d = (instant.x2 - instant.x1).normalized();
               const Vector2d up = d.x() > 0.0 ? Vector2d(d.y(), -d.x()) : Vector2d(-d.y(), d.x());
@@ -344,9 +349,10 @@ class DumbbellStage final : public program::MechanismStage {
       for (const std::size_t bead : {0U, 1U})
         canvas.curve(trail(bead), canvas.theme().velocity, 2.0, draw::Dash::dotted);
     const Instant instant = now(motion);
+    draw_rod(canvas, instant);
     if (show.forces)
       draw_forces(canvas, instant, force_scale(largest_force(), view(), 0.2), show.numbers);
-    draw_dumbbell(canvas, instant);
+    draw_beads(canvas, instant);
   }
 
   std::vector<draw::Point> marks() const override {

@@ -242,9 +242,9 @@ class PlateStage final : public program::MechanismStage {
 
   std::string title() const override { return plate_title; }
   std::string caption() override {
-    return fmt::format("t = {:.3f} s: off its place by {} ({}, step {:g} s).", time(),
-                       program::figure(motion.measures().constraint_error), run().method.label(),
-                       run().step);
+    return fmt::format("t = {:.3f} s: off its place by {} m and {} rad ({}, step {:g} s).", time(),
+                       program::figure(motion.q().head<2>().norm()),
+                       program::figure(std::abs(motion.q()[2])), run().method.label(), run().step);
   }
 
  private:

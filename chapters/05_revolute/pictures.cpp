@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -28,19 +29,23 @@ Motion motion(const Scene& scene, const measure::Method& method = {}) {
 
 draw::Point point(const Vector2d& x) { return {x.x(), x.y()}; }
 
-/// The chain at one time: its pins from the world's to the free end, and the force of the world's.
+/// The chain at one time: each rod from its near to its far end, so that a pin that has opened is
+/// seen, and the force of the world's pin.
 struct Instant {
   double t;
-  std::vector<Vector2d> pins;
+  std::vector<std::array<Vector2d, 2>> rods;
   Vector2d pin_force;
 
-  const Vector2d& end() const { return pins.back(); }
+  const Vector2d& end() const { return rods.back()[1]; }
 };
 
 Instant now(const Scene& scene, Motion& motion) {
   const measure::Row row = motion.row();
-  Instant instant{row.t, {{0.0, 0.0}}, {row.reactions[0], row.reactions[1]}};
-  for (int i = 0; i < scene.N(); ++i) instant.pins.push_back(end_of_rod(scene, motion.q(), i));
+  Instant instant{row.t, {}, {row.reactions[0], row.reactions[1]}};
+  for (int i = 0; i < scene.N(); ++i) {
+    const Vector2d center = motion.q().segment<2>(3 * i), end = end_of_rod(scene, motion.q(), i);
+    instant.rods.push_back({2.0 * center - end, end});
+  }
   return instant;
 }
 
@@ -63,9 +68,9 @@ std::vector<Instant> exposures(const Scene& scene, Motion& motion, double durati
 
 void draw_chain(Canvas& canvas, const Instant& instant, double width_points, double presence) {
   const auto& theme = canvas.theme();
-  for (std::size_t i = 0; i + 1 < instant.pins.size(); ++i)
-    canvas.link(point(instant.pins[i]), point(instant.pins[i + 1]), width_points,
-                theme.body.faded(presence), theme.body_edge.faded(presence));
+  for (const auto& [near, far] : instant.rods)
+    canvas.link(point(near), point(far), width_points, theme.body.faded(presence),
+                theme.body_edge.faded(presence));
 }
 
 /// What encloses the points, with some room around it.
@@ -189,7 +194,7 @@ Picture chain_picture(const Scene& given, const RunOptions& run) {
   const double lost = std::abs(chain.measures().energy - energy);
   std::vector<draw::Point> seen;
   for (const Instant& instant : instants)
-    for (const Vector2d& pin : instant.pins) seen.push_back(point(pin));
+    for (const auto& [near, far] : instant.rods) seen.push_back(point(far));
   const draw::View view = view_of(seen, 0.06);
   const std::string caption = fmt::format(
       "20 links of {:g} m: 60 coordinates, 40 rows, 20 degrees of freedom. Energy kept to {} J "
@@ -273,9 +278,8 @@ Picture chaos_picture(const Scene& given) {
               canvas.curve(trail_second, theme.series[1], 1.6);
               for (const auto& [instant, color] :
                    {std::pair{end_first, theme.series[0]}, std::pair{end_second, theme.series[1]}})
-                for (std::size_t i = 0; i < 2; ++i)
-                  canvas.link(point(instant.pins[i]), point(instant.pins[i + 1]), 8.0, color,
-                              theme.ink);
+                for (const auto& [near, far] : instant.rods)
+                  canvas.link(point(near), point(far), 8.0, color, theme.ink);
               canvas.pin({0.0, 0.0});
             }
             draw::draw_plot(pen, {content.left + width + gap, content.top, width, content.height},

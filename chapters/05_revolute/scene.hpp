@@ -57,7 +57,7 @@ program::Mechanism make_mechanism(const Scene& scene, const measure::Method& met
 }
 // [scene]
 
-/// The end of rod i, counted from 0, and its velocity. q and v hold (x, y, θ) of each rod in turn.
+/// The far end of rod i, counted from 0. q holds (x, y, θ) of each rod in turn.
 inline Vector2d end_of_rod(const Scene& scene, const VectorXd& q, int i) {
   return q.segment<2>(3 * i) + scene.l() / 2 * direction(q[3 * i + 2]);
 }

@@ -322,10 +322,13 @@ class BlockStage final : public program::MechanismStage {
   std::string title() const override { return "A block on a rail"; }
   std::string caption() override {
     const Instant instant = now(motion);
-    return fmt::format("t = {:.3f} s: block at ({:.3f}, {:.3f}) m, |C| = {} ({}, step {:g} s).",
-                       time(), instant.x.x(), instant.x.y(),
-                       program::figure(motion.measures().constraint_error), run().method.label(),
-                       run().step);
+    const Eigen::Index block = motion.v().size() - 3;
+    return fmt::format(
+        "t = {:.3f} s: block at ({:.3f}, {:.3f}) m, {:.3f} m/s{}, |C| = {} m or rad ({}, step {:g} "
+        "s).",
+        time(), instant.x.x(), instant.x.y(), motion.v().segment<2>(block).norm(),
+        scene_.spins() ? fmt::format(", rail at {:.3f} rad/s", motion.v()[block + 2]) : "",
+        program::figure(motion.measures().constraint_error), run().method.label(), run().step);
   }
 
  private:

@@ -368,10 +368,10 @@ class CrankStage final : public program::MechanismStage {
 
   std::string title() const override { return "Slider-crank"; }
   std::string caption() override {
-    return fmt::format("t = {:.3f} s: θ = {:.3f} rad, joints open by {} m ({}, step {:g} s).",
-                       time(), motion.q()[bodies_.wheel.column + 2],
-                       program::figure(motion.measures().constraint_error), run().method.label(),
-                       run().step);
+    return fmt::format(
+        "t = {:.3f} s: θ = {:.3f} rad, {:.3f} rad/s, joints open by {} m ({}, step {:g} s).",
+        time(), motion.q()[bodies_.wheel.column + 2], motion.v()[bodies_.wheel.column + 2],
+        program::figure(motion.measures().constraint_error), run().method.label(), run().step);
   }
 
  private:

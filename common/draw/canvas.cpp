@@ -21,16 +21,20 @@ double widest_label(const Pen& pen, const std::vector<Tick>& ticks) {
 
 }  // namespace
 
-Canvas::Canvas(Pen& pen, const Rect& area, const View& view) : pen_(pen), view_(view) {
+Canvas::Canvas(Pen& pen, const Rect& area, const View& view)
+    : pen_(pen), view_(view), outer_(area) {
   const double width = view.right - view.left, height = view.bottom - view.top;
   if (!(width > 0 && height > 0 && std::isfinite(width) && std::isfinite(height))) {
     throw std::invalid_argument("the view of a canvas needs left < right and top < bottom");
   }
-  fit(area);
+  fit(area.inset(8));  // so that what stands at the edge of the view is not cut off
   pen_.clip(area);
 }
 
-Canvas::~Canvas() { pen_.unclip(); }
+Canvas::~Canvas() {
+  for (const ArrowLabel& label : labels_) place(label);
+  pen_.unclip();
+}
 
 void Canvas::fit(const Rect& area) {
   // Margins may use up a small area; the scale must stay positive all the same.
@@ -52,7 +56,6 @@ void Canvas::axes(std::string_view unit) {
   if (drawn_) throw std::logic_error("the axes of a canvas must be drawn before its scene");
   const Theme& colors = theme();
   const double line = Pen::line_height(Font::small), mark = 4, gap = 4;
-  const Rect outer = area_;
   const auto y_ticks = [&] {
     const double top = (view_.top + view_.bottom - area_.height / scale_) / 2;
     return fitting_ticks(pen_, top, top + area_.height / scale_, false, area_.height, false);
@@ -61,8 +64,8 @@ void Canvas::axes(std::string_view unit) {
   for (int pass = 0; pass < 2; ++pass) {
     const double left = widest_label(pen_, y_ticks()) + mark + 2 * gap;
     const double above = line + gap, below = 2 * line + mark + 2 * gap, right = 2 * gap;
-    fit({outer.left + left, outer.top + above, outer.width - left - right,
-         outer.height - above - below});
+    fit({outer_.left + left, outer_.top + above, outer_.width - left - right,
+         outer_.height - above - below});
   }
   const double left = (view_.left + view_.right - area_.width / scale_) / 2;
   const auto x_ticks =
@@ -74,7 +77,7 @@ void Canvas::axes(std::string_view unit) {
     const double half = pen_.text_width(tick.label, Font::small) / 2;
     pen_.line({x, area_.top}, {x, bottom}, colors.grid, 1);
     pen_.line({x, bottom}, {x, bottom + mark}, colors.muted, 1);
-    pen_.text({std::clamp(x, outer.left + half, outer.right() - half),
+    pen_.text({std::clamp(x, outer_.left + half, outer_.right() - half),
                bottom + mark + gap / 2 + line / 2},
               tick.label, colors.muted, Font::small, Align::center);
   }
@@ -91,9 +94,9 @@ void Canvas::axes(std::string_view unit) {
     pen_.line({area_.left, y}, {area_.right(), y}, colors.muted.faded(0.6), 1);
   }
   const std::string suffix = " [" + std::string(unit) + "]";
-  pen_.text({area_.center().x, outer.bottom() - line / 2}, "x" + suffix, colors.ink, Font::small,
+  pen_.text({area_.center().x, outer_.bottom() - line / 2}, "x" + suffix, colors.ink, Font::small,
             Align::center);
-  pen_.text({outer.left, outer.top + line / 2}, "y" + suffix + ", down", colors.ink, Font::small);
+  pen_.text({outer_.left, outer_.top + line / 2}, "y" + suffix + ", down", colors.ink, Font::small);
   pen_.unclip();
   pen_.clip(area_);
 }
@@ -110,7 +113,9 @@ void Canvas::disc(Point center, double radius, Color fill, Color edge) {
 }
 
 void Canvas::bead(Point center, double radius_points, Color fill, Color edge) {
-  pen_.circle(page(center), radius_points, fill, edge);
+  const Point at = page(center);
+  beads_.push_back(centered(at, 2 * radius_points, 2 * radius_points));
+  pen_.circle(at, radius_points, fill, edge);
 }
 
 void Canvas::box(Point center, double width, double height, double angle, Color fill, Color edge) {
@@ -139,22 +144,43 @@ void Canvas::link(Point a, Point b, double width_points, Color fill, Color edge)
 void Canvas::arrow(Point from, Point vector, Color color, std::string_view label) {
   const Point tail = page(from), head = page(from + vector), d = head - tail;
   pen_.arrow(tail, head, color);
-  if (label.empty() || !finite(d) || !(length(d) > 0)) return;
-  // Beyond the head if there is room, else beside it: always clear of the shaft.
-  const double width = pen_.text_width(label), height = Pen::line_height(Font::text);
-  const Point along = 1 / length(d) * d, across{-along.y, along.x};
-  // The box of the text touches the ray along n with the edge or corner that looks back at it.
-  const auto place = [&](Point n, double gap) {
+  if (!finite(d) || !(length(d) > 0)) return;
+  arrows_.push_back({tail, head});
+  if (!label.empty()) labels_.push_back({{tail, head}, std::string(label), color});
+}
+
+double Canvas::cover(const Rect& text) const {
+  double sum = area_.inset(2).contains(text) ? 0 : 100;
+  for (const Rect& other : texts_) sum += 10 * text.overlaps(other);
+  for (auto [a, b] : arrows_) sum += 4 * clip_segment(a, b, text);
+  for (const Rect& bead : beads_) sum += 3 * text.overlaps(bead);
+  return sum;
+}
+
+void Canvas::place(const ArrowLabel& label) {
+  const double width = pen_.text_width(label.text), height = Pen::line_height(Font::text);
+  const auto& [tail, head] = label.arrow;
+  const Point d = head - tail, along = 1 / length(d) * d, across{-along.y, along.x};
+  // The box of the text touches the ray from p along n with the edge or corner that looks back.
+  const auto beyond = [&](Point p, Point n, double gap) {
     const double longest = std::max(std::abs(n.x), std::abs(n.y));
-    return head + gap * n + 0.5 / longest * Point{n.x * width, n.y * height};
+    return p + gap * n + 0.5 / longest * Point{n.x * width, n.y * height};
   };
-  Point at = place(along, 6);
-  for (const Point candidate : {at, place(across, 9), place(-1 * across, 9)}) {
-    if (!area_.inset(2).contains(centered(candidate, width, height))) continue;
-    at = candidate;
-    break;
+  // Beyond the head at best, else beside it, beside the middle, behind the tail.
+  const Point middle = tail + 0.5 * d, slant = std::sqrt(0.5) * (along + across),
+              other_slant = std::sqrt(0.5) * (along - across);
+  Point best;
+  double least = 1e300;
+  for (const Point at :
+       {beyond(head, along, 6), beyond(head, across, 9), beyond(head, -1 * across, 9),
+        beyond(head, slant, 8), beyond(head, other_slant, 8), beyond(middle, across, 9),
+        beyond(middle, -1 * across, 9), beyond(tail, -1 * along, 14)}) {
+    const double hidden = cover(centered(at, width, height));
+    if (hidden >= least) continue;
+    best = at;
+    least = hidden;
   }
-  text(at, label, color, Font::text, Align::center);
+  text(best, label.text, label.color, Font::text, Align::center);
 }
 
 void Canvas::label(Point at, std::string_view what, Color color, Font font, Align align,
@@ -170,11 +196,13 @@ void Canvas::text(Point at, std::string_view what, Color color, Font font, Align
   at.x = std::max(area_.left + margin + before,
                   std::min(at.x, area_.right() - margin - width + before));
   at.y = std::max(area_.top + margin + half, std::min(at.y, area_.bottom() - margin - half));
+  texts_.push_back({at.x - before, at.y - half, width, 2 * half});
   pen_.text(at, what, color, font, align, true);
 }
 
 void Canvas::pin(Point at) {
   const Point center = page(at);
+  beads_.push_back(centered(center, 9, 9));
   pen_.circle(center, 4.5, theme().paper, theme().ink, 1.6);
   pen_.circle(center, 1.4, theme().ink);
 }

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "draw/pen.hpp"
 
@@ -23,7 +26,8 @@ struct Lens {
 };
 
 /// A scene in world coordinates (metres, x right, y down) on a rectangle of the page, with the same
-/// scale in x and y and `view` in the middle. Nothing is drawn outside the rectangle.
+/// scale in x and y and `view` in the middle. Nothing is drawn outside the rectangle. The labels of
+/// arrows come last, where they cover least.
 class Canvas {
  public:
   /// Throws std::invalid_argument when the view is empty or not finite.
@@ -50,7 +54,7 @@ class Canvas {
   void box(Point center, double width, double height, double angle, Color fill, Color edge);
   /// A rod with rounded ends.
   void link(Point a, Point b, double width_points, Color fill, Color edge);
-  /// From `from` to `from` + `vector`, both in metres. The label stands clear of the shaft.
+  /// From `from` to `from` + `vector`, both in metres. The label stands near the head.
   void arrow(Point from, Point vector, Color color, std::string_view label = "");
   /// `at` in metres, moved by `offset_points` on the page; kept inside the canvas.
   void label(Point at, std::string_view text, Color color, Font font = Font::text,
@@ -69,11 +73,24 @@ class Canvas {
   void fit(const Rect& area);
   void text(Point at, std::string_view text, Color color, Font font, Align align);
 
+  using Segment = std::array<Point, 2>;  // of the page
+  struct ArrowLabel {
+    Segment arrow;
+    std::string text;
+    Color color;
+  };
+  void place(const ArrowLabel& label);
+  /// How much a text there would hide.
+  double cover(const Rect& text) const;
+
   Pen& pen_;
   View view_;
-  Rect area_;
+  Rect outer_, area_;  ///< all of it; what is left of it for the scene
   double scale_ = 1;
   bool drawn_ = false;
+  std::vector<ArrowLabel> labels_;
+  std::vector<Segment> arrows_;
+  std::vector<Rect> texts_, beads_;
 };
 
 }  // namespace draw

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,19 +14,5 @@ struct Image {
 
 /// The bytes of a PNG file without opacity. Throws std::runtime_error when it cannot be made.
 std::string encode_png(const Image& image);
-
-/// Throws std::runtime_error, naming the file, when it cannot be read as a PNG.
-Image read_png(const std::filesystem::path& file);
-
-/// How two pictures differ, opacity apart, with channels counted 0 … 255. A pixel that only one of
-/// them has counts as 255.
-struct Difference {
-  bool same_size = true;
-  int largest_step = 0;     ///< the largest difference of a channel over all pixels
-  double worst_window = 0;  ///< the largest mean over the 16 × 16 windows of both pictures
-  Image picture;            ///< `actual` in pale grey, with the differences in red
-};
-
-Difference difference(const Image& expected, const Image& actual);
 
 }  // namespace draw

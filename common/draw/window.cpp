@@ -10,8 +10,10 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 namespace draw {
 namespace {
@@ -36,6 +38,11 @@ struct Window::Inside {
   Fonts fonts{};
   std::array<int, 4> presses{};  // of each Key
   bool escaped = false;          // since the last frame, as they
+  struct Release {
+    int key, code, modifiers;
+  };
+  std::set<int> down{};         // keys that went down since the last frame
+  std::vector<Release> late{};  // those of them that went up too
   struct Typed {
     std::string slider;
     double value;
@@ -54,18 +61,29 @@ struct Window::Inside {
     glfwTerminate();
   }
 
-  // A key that goes down and up between two frames counts as well, so Dear ImGui, which looks at
-  // the keys once a frame, is not asked.
-  static void on_key(GLFWwindow* window, int key, int, int action, int) {
+  // Dear ImGui looks at the keys once a frame: a key that goes down and up between two frames goes
+  // up after the second for it.
+  static void on_key(GLFWwindow* window, int key, int code, int action, int modifiers) {
     auto& inside = *static_cast<Inside*>(glfwGetWindowUserPointer(window));
+    if (action == GLFW_RELEASE && inside.down.contains(key))
+      inside.late.push_back({key, code, modifiers});
+    else
+      ImGui_ImplGlfw_KeyCallback(window, key, code, action, modifiers);
     if (action == GLFW_RELEASE) return;
+    inside.down.insert(key);
     if (key == GLFW_KEY_ESCAPE) inside.escaped = true;
     if (ImGui::GetIO().WantTextInput) return;
+    if ((modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER)) != 0) return;
+    if (action == GLFW_REPEAT && (key == GLFW_KEY_SPACE || key == GLFW_KEY_R)) return;
     if (key == GLFW_KEY_ESCAPE && !ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup))
       glfwSetWindowShouldClose(window, GLFW_TRUE);
     constexpr std::array keys{GLFW_KEY_SPACE, GLFW_KEY_RIGHT, GLFW_KEY_R, GLFW_KEY_S};
     for (std::size_t i = 0; i < keys.size(); ++i)
       if (key == keys[i]) ++inside.presses[i];
+  }
+  // A decimal comma is a point; Dear ImGui would drop it.
+  static void on_char(GLFWwindow* window, unsigned c) {
+    ImGui_ImplGlfw_CharCallback(window, c == ',' ? '.' : c);
   }
 };
 
@@ -78,19 +96,22 @@ Window::Window(const std::string& title, int width, int height, double panel_wid
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   inside_->window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (inside_->window == nullptr) throw std::runtime_error("no window with OpenGL 3.3");
-  glfwSetWindowSizeLimits(inside_->window, 700, 450, GLFW_DONT_CARE, GLFW_DONT_CARE);
+  glfwSetWindowSizeLimits(inside_->window, 960, 600, GLFW_DONT_CARE, GLFW_DONT_CARE);
   glfwSetWindowUserPointer(inside_->window, inside_.get());
-  glfwSetKeyCallback(inside_->window, Inside::on_key);
   glfwMakeContextCurrent(inside_->window);
   glfwSwapInterval(1);
   inside_->gui = ImGui::CreateContext();
   ImGui::SetCurrentContext(inside_->gui);
   ImGui::GetIO().IniFilename = nullptr;  // write no file
   ImGui::StyleColorsLight();
+  for (const auto part : {ImGuiCol_SliderGrab, ImGuiCol_SliderGrabActive})
+    ImGui::GetStyle().Colors[part].w = 0.35F;        // the value stands on it
   ImGui::GetStyle().AntiAliasedLinesUseTex = false;  // as in the pictures
   inside_->fonts = load_fonts(1.0);
   ImGui::GetIO().FontDefault = inside_->fonts[static_cast<std::size_t>(Font::small)];
   ImGui_ImplGlfw_InitForOpenGL(inside_->window, true);
+  glfwSetKeyCallback(inside_->window, Inside::on_key);
+  glfwSetCharCallback(inside_->window, Inside::on_char);
   if (!ImGui_ImplOpenGL3_Init("#version 330"))
     throw std::runtime_error("no window with OpenGL 3.3");
 }
@@ -102,6 +123,9 @@ bool Window::open() const { return glfwWindowShouldClose(inside_->window) == GLF
 void Window::frame(const std::function<void()>& draw) {
   inside_->presses = {};
   inside_->escaped = false;
+  inside_->down.clear();
+  for (const auto& [key, code, modifiers] : std::exchange(inside_->late, {}))
+    ImGui_ImplGlfw_KeyCallback(inside_->window, key, code, GLFW_RELEASE, modifiers);
   glfwPollEvents();
   const Clock::time_point start = Clock::now();
   ImGui_ImplOpenGL3_NewFrame();
@@ -151,9 +175,12 @@ Window::Mouse Window::mouse() const {
 
 int Window::presses(Key key) const { return inside_->presses[static_cast<std::size_t>(key)]; }
 
-bool Window::button(const Rect& place, const std::string& text) {
+bool Window::button(const Rect& place, const std::string& text, bool enabled) {
   ImGui::SetCursorPos(pixels(place.left, place.top));
-  return ImGui::Button(text.c_str(), pixels(place.width, place.height));
+  ImGui::BeginDisabled(!enabled);
+  const bool pressed = ImGui::Button(text.c_str(), pixels(place.width, place.height));
+  ImGui::EndDisabled();
+  return pressed;
 }
 
 bool Window::check(const Rect& place, const std::string& text, bool& checked) {

@@ -42,12 +42,12 @@ class Window {
   /// For a page that begins at the window's top left.
   Pen pen(double width, double height) const;
   Mouse mouse() const;
-  /// How often the key was pressed since the last frame.
+  /// How often the key was pressed since the last frame; right and s repeat while they are held.
   int presses(Key key) const;
 
   // The controls of the panel; their places count from its top left. A control's name is shown on
   // it or, where it has none to show, at its left.
-  bool button(const Rect& place, const std::string& text);
+  bool button(const Rect& place, const std::string& text, bool enabled = true);
   bool check(const Rect& place, const std::string& text, bool& checked);
   /// With its value and unit written on it; a click with the control key lets it be typed, be it
   /// beyond the span, and Enter takes it. True when it is let go after it was moved.

@@ -13,6 +13,7 @@
 #include "draw/window.hpp"
 #include "measure/clock.hpp"
 #include "program/advice.hpp"
+#include "program/pictures.hpp"
 #include "program/player.hpp"
 
 namespace program {
@@ -35,8 +36,18 @@ void say(const std::string& line) {
 
 std::string name_of(const Parameter& parameter) { return parameter.option.substr(2); }
 
+/// In the window options are controls.
+std::string of_controls(std::string text) {
+  for (std::size_t at = 0; (at = text.find("--", at)) != std::string::npos;) text.erase(at, 2);
+  return text;
+}
+
 std::string with_unit(double value, const std::string& unit) {
   return unit.empty() ? fmt::format("{:.4g}", value) : fmt::format("{:.4g} {}", value, unit);
+}
+
+bool is_yes_or_no(const Parameter& parameter) {
+  return parameter.is(whole) && parameter.allowed.low == 0.0 && parameter.allowed.high == 1.0;
 }
 
 /// What a slider should reach around a default: a few times as much, or all that is allowed.
@@ -44,13 +55,16 @@ Window::Span span_of(const Parameter& parameter) {
   const double start = std::abs(*parameter.value);
   const auto [low, high] = parameter.allowed;
   const bool only_whole = parameter.is(whole);
-  if (high - low <= 200.0) return {low, high, false, only_whole};
+  const bool angle = parameter.unit == "rad";
+  if (high - low <= 200.0 && !angle) return {low, high, false, only_whole};
   if (low > 0.0) {
     const double middle = std::max(start, low);
     return {std::max(low, middle / 100.0), std::min(high, middle * 100.0), true, only_whole};
   }
-  const double least = parameter.unit == "rad" ? std::numbers::pi : parameter.unit == "m" ? 1 : 10;
-  const double most = std::min(high, start > 0.0 ? 3.0 * start : least);
+  const double usual = parameter.unit == "m" ? 1.0 : 10.0;
+  const double most = std::min(high, angle         ? std::max(std::numbers::pi, start)
+                                     : start > 0.0 ? 3.0 * start
+                                                   : usual);
   return {std::max(low, -most), most, false, only_whole};
 }
 
@@ -64,14 +78,23 @@ class Layout {
 
   Layout(const Chapter& chapter) {
     row({"run", "single_step", "reset"}, true);
+    words_ = {margin, top_, panel_width - 2 * margin,
+              5.0 * draw::Pen::line_height(draw::Font::small)};
+    top_ = words_.bottom() + 6.0;
     row("speed");
+    group();
     for (const Parameter& parameter : chapter.parameters) {
       if (parameter.is(switchable)) row({name_of(parameter) + "_on"}, false);
-      row(name_of(parameter));
+      if (is_yes_or_no(parameter))
+        row({name_of(parameter)}, false);
+      else
+        row(name_of(parameter));
     }
+    group();
     for (const char* name : {"step", "integrator"}) row(name);
     if (chapter.has_constraints)
       for (const char* name : {"stabilization", "ks", "kd"}) row(name);
+    group();
     row({"forces", "trail", "names"}, false);
   }
 
@@ -81,8 +104,8 @@ class Layout {
         ->place;
   }
   const std::vector<Control>& controls() const { return controls_; }
-  /// What is left below, for words.
-  Rect below() const { return {margin, top_, panel_width - 2 * margin, 200.0}; }
+  /// For what there is to tell.
+  const Rect& words() const { return words_; }
   /// The place of a control's name.
   static Rect beside(const Rect& place) {
     return {margin, place.top + 3.0, first - margin, place.height};
@@ -91,6 +114,7 @@ class Layout {
  private:
   static constexpr double margin = 12, first = 118, height = 21, spacing = 27;
 
+  void group() { top_ += 9.0; }
   void row(const std::string& name) {
     controls_.push_back({name, {first, top_, panel_width - first - margin, height}});
     top_ += spacing;
@@ -107,6 +131,7 @@ class Layout {
   }
 
   std::vector<Control> controls_;
+  Rect words_;
   double top_ = margin;
 };
 
@@ -215,7 +240,8 @@ class Live {
     } catch (const measure::Diverged& diverged) {
       diverged_ = true;
       playing_ = false;
-      message_ = fmt::format("stopped {}; try {}", diverged.what(), advice(chapter_, run_));
+      message_ =
+          of_controls(fmt::format("stopped {}; try {}", diverged.what(), advice(chapter_, run_)));
       say(message_);
     }
     stepping_ += measure::cpu_seconds() - start;
@@ -241,7 +267,7 @@ class Live {
       kept_run_ = run_;
       for (std::size_t i = 0; i < kept_.size(); ++i) kept_[i] = *chapter_.parameters[i].value;
     } catch (const std::exception& error) {
-      message = error.what();
+      message = of_controls(error.what());
       run_ = kept_run_;
       for (std::size_t i = 0; i < kept_.size(); ++i) *chapter_.parameters[i].value = kept_[i];
     }
@@ -271,14 +297,21 @@ class Live {
     const Rect plots{14.0, height, width - 28.0, window_->height() - height - 8.0};
     const double half = 0.5 * (plots.width - 24.0);
     draw_errors(all, {plots.left, plots.top, half, plots.height}, "energy error [J]",
-                &Stage::Errors::energy);
+                &Stage::Errors::energy, stage_->gripped() ? "none while the mouse pulls" : "");
     draw_errors(all, {plots.left + half + 24.0, plots.top, half, plots.height},
                 fmt::format("constraint error |C| [{}]", chapter_.constraint_unit),
-                &Stage::Errors::constraint);
+                &Stage::Errors::constraint, "");
   }
 
-  void draw_errors(draw::Pen& pen, const Rect& area, const std::string& label,
-                   double Stage::Errors::*error) const {
+  void draw_errors(draw::Pen& pen, const Rect& area, std::string label,
+                   double Stage::Errors::*error, std::string remark) const {
+    const auto none = [&](const Stage::Sample& sample) {
+      return std::none_of(sample.errors.begin(), sample.errors.end(),
+                          [&](const Stage::Errors& errors) { return errors.*error > 0.0; });
+    };
+    if (remark.empty() && std::all_of(stage_->samples().begin(), stage_->samples().end(), none))
+      remark = "none so far";
+    if (!remark.empty()) label += ": " + remark;
     const double end = std::max(stage_->time(), run_.duration);
     draw::Plot plot{.x = {.label = "time [s]", .min = end - run_.duration, .max = end},
                     .y = {.label = label, .log = true},
@@ -297,8 +330,8 @@ class Live {
   // the panel
 
   void controls() {
-    if (window_->button(layout_["run"], playing_ ? "pause" : "run")) run_or_pause();
-    if (window_->button(layout_["single_step"], "step")) single_step();
+    if (window_->button(layout_["run"], playing_ ? "pause" : "run", !diverged_)) run_or_pause();
+    if (window_->button(layout_["single_step"], "step", !diverged_)) single_step();
     if (window_->button(layout_["reset"], "reset")) reset();
     slider("speed", speed_, {0.01, 10.0, true}, "×", {0.01, 1000.0}, [] {});
     for (std::size_t i = 0; i < chapter_.parameters.size(); ++i) parameter(i);
@@ -328,6 +361,14 @@ class Live {
     const std::string name = name_of(parameter);
     double& value = *parameter.value;
     bool on = value != 0.0;
+    if (is_yes_or_no(parameter)) {
+      window_->text(Layout::beside(layout_[name]), name, draw::theme("light").ink);
+      if (!window_->check(layout_[name], "##" + name, on)) return;
+      value = on ? 1.0 : 0.0;
+      make_stage(parameter.is(acts));
+      say(fmt::format("{} {} {}", name, value, now()));
+      return;
+    }
     if (parameter.is(switchable) && window_->check(layout_[name + "_on"], name, on)) {
       value = !on ? 0.0 : last_[i] != 0.0 ? last_[i] : 1.0;
       make_stage(parameter.is(acts));
@@ -367,12 +408,12 @@ class Live {
   }
 
   void words() {
-    Rect place = layout_.below();
+    const Rect& place = layout_.words();
     const draw::Theme& theme = draw::theme("light");
     const bool late = playing_ && player_.kept() < 0.95;
     std::string text = message_;
     if (text.empty() && late)
-      text = fmt::format("cannot keep up: {:.2g} of real time", player_.kept() * speed_);
+      text = fmt::format("cannot keep up: {} × real time", figure(player_.kept() * speed_, 2));
     if (late != late_) {
       late_ = late;
       if (late) say(fmt::format("{} {}", text, now()));

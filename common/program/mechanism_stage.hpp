@@ -46,9 +46,10 @@ class MechanismStage : public Stage {
   std::vector<Outline> outlines() const override {
     std::vector<Outline> all;
     for (const dynamics::ThingInfo& thing : motion.model().system.things()) {
-      const double* q = motion.q().data() + thing.column;
+      const double *q = motion.q().data() + thing.column, *v = motion.v().data() + thing.column;
       const draw::Point half = half_size(thing);
-      all.push_back({{q[0], q[1]}, thing.dof == 3 ? q[2] : 0.0, half.x, half.y});
+      all.push_back({{q[0], q[1]}, {v[0], v[1]}, 0.0, half.x, half.y});
+      if (thing.dof == 3) all.back().angle = q[2], all.back().turning = v[2];
     }
     return all;
   }

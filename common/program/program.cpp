@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -162,17 +163,17 @@ void add_out(CLI::App& app, Request& request) {
 }
 
 #ifdef TUTORIAL_PICTURES
-/// "4x3": two whole numbers.
-std::pair<int, int> sides(const std::string& option, const std::string& text, Range width,
-                          Range height) {
+/// "4x3": two whole numbers, which an error calls by their names.
+std::pair<int, int> sides(const std::string& option, const std::string& text,
+                          const std::array<std::string, 2>& names, Range width, Range height) {
   const std::size_t x = text.find('x');
   const auto side = [&](const std::string& digits, Range range) {
     try {
       return static_cast<int>(number("", digits, range, true));
     } catch (const UsageError&) {
-      throw UsageError(
-          fmt::format("{} {}: allowed is WxH, W from {:g} to {:g}, H from {:g} to {:g}", option,
-                      text, width.low, width.high, height.low, height.high));
+      throw UsageError(fmt::format(
+          "{} {}: allowed is {}x{}, {} from {:g} to {:g}, {} from {:g} to {:g}", option, text,
+          names[0], names[1], names[0], width.low, width.high, names[1], height.low, height.high));
     }
   };
   return {side(text.substr(0, x), width),
@@ -185,7 +186,7 @@ void add_page(CLI::App& app, Request& request) {
          "--size",
          [&request](const std::string& text) {
            std::tie(request.snapshot.page.width, request.snapshot.page.height) =
-               sides("--size", text, {480.0, 4000.0}, {300.0, 4000.0});
+               sides("--size", text, {"W", "H"}, {480.0, 4000.0}, {300.0, 4000.0});
          },
          "size in points (default 960x600)")
       ->type_name("WxH")
@@ -233,7 +234,7 @@ void add_page(CLI::App& app, Request& request) {
          "--sheet",
          [&request](const std::string& text) {
            std::tie(request.snapshot.sheet_columns, request.snapshot.sheet_rows) =
-               sides("--sheet", text, {1.0, 20.0}, {1.0, 20.0});
+               sides("--sheet", text, {"COLS", "ROWS"}, {1.0, 20.0}, {1.0, 20.0});
          },
          "small scenes on one page, at equal times up to --duration, or at those of --at")
       ->type_name("COLSxROWS")

@@ -17,8 +17,11 @@ double wall_seconds() {
 
 Progress::Progress() : terminal_(isatty(STDERR_FILENO) != 0), last_(wall_seconds() + 0.8) {}
 
-Progress::~Progress() {
+Progress::~Progress() { clear(); }
+
+void Progress::clear() {
   if (shown_) std::fputs("\r\033[K", stderr);
+  shown_ = false;
 }
 
 void Progress::show(double done, const std::string& what) {

@@ -15,6 +15,8 @@ class Progress {
 
   /// `done` from 0 to 1.
   void show(double done, const std::string& what);
+  /// Wipes it away, for what is printed to the same terminal.
+  void clear();
 
  private:
   bool terminal_, shown_ = false;

@@ -27,6 +27,12 @@ std::string write(const std::filesystem::path& path, const draw::Page& page,
 
 void print(const std::filesystem::path& path) { fmt::print("{}\n", path.string()); }
 
+constexpr double ahead_part = 0.3;  // of the work
+
+double progress_after(std::size_t done, std::size_t all) {
+  return ahead_part + (1.0 - ahead_part) * static_cast<double>(done) / static_cast<double>(all);
+}
+
 /// A stage whose view and whose arrows hold for all of its way up to `end`, which is run ahead, and
 /// whose trail reaches back to its start.
 std::unique_ptr<Stage> stage_up_to(double end, const Chapter& chapter, RunOptions run,
@@ -36,18 +42,15 @@ std::unique_ptr<Stage> stage_up_to(double end, const Chapter& chapter, RunOption
   const auto ahead = chapter.stage(run);
   constexpr int parts = 100;
   for (int i = 1; i <= parts; ++i) {
-    progress.show(0.0, "simulated ahead");
+    progress.show(ahead_part * i / parts, "simulated ahead");
     ahead->advance_to(end * i / parts);
   }
   stage->show_as(*ahead);
   return stage;
 }
 
-void take_series(const Snapshot& snapshot, const Chapter& chapter, RunOptions run,
+void take_series(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& run,
                  const std::filesystem::path& out) {
-  // Between two pictures a tolerance takes at least one step of its own.
-  if (run.method.tolerance > 0.0)
-    run.step = snapshot.interval() / std::ceil(snapshot.interval() / run.step);
   const auto name = [&,
                      digits = std::max<std::size_t>(4, fmt::formatted_size("{}", snapshot.frames))](
                         long frame) { return fmt::format("frame_{:0{}}.png", frame, digits); };
@@ -56,7 +59,9 @@ void take_series(const Snapshot& snapshot, const Chapter& chapter, RunOptions ru
     const auto stage = stage_up_to(static_cast<double>(snapshot.frames - 1) * snapshot.interval(),
                                    chapter, run, progress);
     for (long i = 0; i < snapshot.frames; ++i) {
-      progress.show(static_cast<double>(i) / static_cast<double>(snapshot.frames), name(i + 1));
+      progress.show(
+          progress_after(static_cast<std::size_t>(i), static_cast<std::size_t>(snapshot.frames)),
+          name(i + 1));
       stage->advance_to(static_cast<double>(i) * snapshot.interval());
       write(out / name(i + 1), snapshot.page, [&](draw::Pen& pen) { draw_page(pen, *stage); });
     }
@@ -68,15 +73,14 @@ void take_series(const Snapshot& snapshot, const Chapter& chapter, RunOptions ru
 /// The scene at several times on one page, each over its time.
 void draw_sheet(draw::Pen& pen, Stage& stage, const Snapshot& snapshot,
                 const std::vector<double>& times, Progress& progress) {
-  const std::string caption =
-      fmt::format("From t = {:.4g} s to t = {:.4g} s ({}, step {:g} s).", times.front(),
-                  times.back(), stage.run().method.label(), stage.run().step);
+  const std::string caption = fmt::format("Under each picture stands its time ({}, step {:g} s).",
+                                          stage.run().method.label(), stage.run().step);
   const draw::Rect all = draw::page(pen, stage.title(), caption);
   const double gap = 8.0, line = draw::Pen::line_height(draw::Font::small);
   const double width = (all.width + gap) / snapshot.sheet_columns;
   const double height = (all.height + gap) / snapshot.sheet_rows;
   for (std::size_t i = 0; i < times.size(); ++i) {
-    progress.show(static_cast<double>(i) / static_cast<double>(times.size()), "sheet");
+    progress.show(progress_after(i, times.size()), "sheet");
     stage.advance_to(times[i]);
     const auto columns = static_cast<std::size_t>(snapshot.sheet_columns);
     const std::size_t row = i / columns, column = i % columns;
@@ -128,11 +132,17 @@ void Snapshot::check(const RunOptions& run, double most_steps) const {
     throw UsageError(fmt::format(
         "--sheet {}x{}: allowed are at most {}x{} on {}x{} points (--size)", sheet_columns,
         sheet_rows, page.width / cell_width, page.height / cell_height, page.width, page.height));
+  const bool own_steps = run.method.tolerance > 0.0;
+  if (sheet && at.empty() && !own_steps && run.duration < (cells() - 1.01) * run.step)
+    throw UsageError(fmt::format(
+        "--sheet {}x{}: allowed are at most {:.0f} pictures, one each step of {:g} s up to {:g} s",
+        sheet_columns, sheet_rows, std::floor(run.duration / run.step) + 1.0, run.step,
+        run.duration));
   for (const double t : at)
     if (t / run.step > most_steps)
       throw UsageError(fmt::format("--at {:g}: allowed is at most {:g} s with a step of {:g} s", t,
                                    most_steps * run.step, run.step));
-  if (frames > 1 && run.method.tolerance == 0.0 && interval() < (1.0 - 1e-9) * run.step)
+  if (frames > 1 && !own_steps && interval() < (1.0 - 1e-9) * run.step)
     throw UsageError(
         fmt::format("--fps {:g}: allowed is at most {:g}, a picture each step of {:g} s",
                     1.0 / interval(), 1.0 / run.step, run.step));
@@ -146,19 +156,23 @@ void take(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& ru
           const std::filesystem::path& out) {
   if (snapshot.frames > 0) return take_series(snapshot, chapter, run, out);
   if (snapshot.cells() > 0) return take_sheet(snapshot, chapter, run, out);
+  Progress progress;
   std::vector<Picture> pictures;
   if (snapshot.at.empty()) pictures = chapter.pictures(run);
   for (const double t : snapshot.at) {
+    progress.show(
+        0.5 * static_cast<double>(pictures.size()) / static_cast<double>(snapshot.at.size()),
+        fmt::format("simulated to {:g} s", t));
     RunOptions longer = run;
     longer.duration = std::max(run.duration, t);
     pictures.push_back(picture_at(chapter.stage(longer), t));
   }
-  Progress progress;
   double done = 0.0;
   for (const Picture& picture : pictures) {
-    progress.show(done++ / static_cast<double>(pictures.size()), picture.name);
+    progress.show(0.5 + 0.5 * done++ / static_cast<double>(pictures.size()), picture.name);
     const std::filesystem::path path = out / (picture.name + ".png");
     const std::string caption = write(path, snapshot.page, picture.draw);
+    progress.clear();
     print(path);
     fmt::print("  {}\n", caption);
   }

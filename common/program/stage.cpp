@@ -47,17 +47,32 @@ void Stage::advance(long steps) {
   constexpr long unwatched = 20;  // steps that a run which diverges may go on unseen
   while (steps > 0) {
     const long some = std::min({steps, until_next_, unwatched});
-    for (Watched& watched : simulations_) {
-      watched.simulation->advance(some, run_.step);
-      watched.watch->look(watched.simulation->measures());
-    }
+    advance_all(some, run_.step);
     steps -= some;
     until_next_ -= some;
     if (until_next_ == 0) remember();
   }
 }
 
-void Stage::advance_to(double t) { advance(std::max(0L, std::lround((t - time()) / run_.step))); }
+void Stage::advance_to(double t) {
+  const double steps = std::max(0.0, (t - time()) / run_.step);
+  if (run_.method.tolerance == 0.0) return advance(std::lround(steps));
+  advance(static_cast<long>(steps));
+  if (const double rest = t - time(); rest > 1e-9 * run_.step) advance_all(1, rest);
+}
+
+void Stage::advance_all(long steps, double h) {
+  try {
+    for (Watched& watched : simulations_) {
+      watched.simulation->advance(steps, h);
+      watched.watch->look(watched.simulation->measures());
+    }
+  } catch (const measure::Diverged&) {
+    const auto finite = [](const Watched& one) { return one.simulation->measures().finite(); };
+    if (std::all_of(simulations_.begin(), simulations_.end(), finite)) remember();
+    throw;
+  }
+}
 
 void Stage::remember() {
   Sample sample{time(), marks(), {}, force()};
@@ -112,13 +127,25 @@ void Stage::draw(draw::Pen& pen, const draw::Rect& area, const Show& show) {
   lenses_.clear();
   draw_scene(pen, area, show);
   if (!spring_) return;
-  const draw::Lens& lens = lenses_[spring_->canvas];
-  const draw::Point from = lens.to_page(place(outlines()[spring_->thing], spring_->u));
-  const draw::Color color = pen.theme().applied_force;
   pen.clip(area);
-  pen.line(from, lens.to_page(spring_->to), color, 1.6, draw::Dash::dashed);
-  pen.circle(from, 3.0, color);
+  draw_spring(pen);
   pen.unclip();
+}
+
+void Stage::draw_spring(draw::Pen& pen) const {
+  const Outline thing = outlines()[spring_->thing];
+  const draw::Point arm = turned(spring_->u, thing.angle), r = thing.center + arm,
+                    rdot = thing.velocity + thing.turning * draw::Point{-arm.y, arm.x};
+  const draw::Lens& lens = lenses_[spring_->canvas];
+  const draw::Point from = lens.to_page(r), to = lens.to_page(spring_->to);
+  const draw::Color color = pen.theme().applied_force;
+  pen.line(from, to, color, 1.6, draw::Dash::dashed);
+  pen.circle(from, 3.0, color);
+  const std::string pull =
+      fmt::format("pull {:.2f} N", draw::length(spring_force(spring_->thing, r, rdot)));
+  const bool left = to.x > lens.area.center().x;  // where there is room
+  pen.text(to + draw::Point{left ? -14.0 : 14.0, -14.0}, pull, color, draw::Font::text,
+           left ? draw::Align::right : draw::Align::left, true);
 }
 
 void Stage::open(draw::Canvas& canvas, const Show& show) {
@@ -132,10 +159,6 @@ std::vector<draw::Point> Stage::trail(std::size_t mark) const {
   for (const Sample& sample : samples_) points.push_back(sample.marks[mark]);
   points.push_back(marks()[mark]);
   return points;
-}
-
-draw::Point Stage::place(const Outline& outline, draw::Point u) const {
-  return outline.center + turned(u, outline.angle);
 }
 
 bool Stage::grip(draw::Point pointer) {

@@ -50,7 +50,7 @@ class Stage {
 
   /// Throws measure::Diverged, also where measure::Watch does.
   void advance(long steps);
-  /// To the step nearest to t.
+  /// To the step nearest to t; with a tolerance, whose steps are its own, to t itself.
   void advance_to(double t);
 
   /// Goes on from where another stage of the same scene is, under other loads or another method.
@@ -77,10 +77,11 @@ class Stage {
   bool gripped() const { return spring_.has_value(); }
 
  protected:
-  /// A thing as a mouse finds it: a box on one of the canvases. A particle's has no size.
+  /// A thing as a mouse finds it: a box on one of the canvases, and how it moves [m/s, rad/s]. A
+  /// particle's has no size.
   struct Outline {
-    draw::Point center;
-    double angle = 0.0, half_width = 0.0, half_height = 0.0;
+    draw::Point center, velocity;
+    double angle = 0.0, half_width = 0.0, half_height = 0.0, turning = 0.0;
     std::size_t canvas = 0;
   };
   /// How a thing gives way: the whole mass that moves [kg], and that felt at a point of the thing.
@@ -135,8 +136,10 @@ class Stage {
   };
 
   void count_from_here();
+  /// Steps of one length, then a look at what became of it.
+  void advance_all(long steps, double h);
   void remember();
-  draw::Point place(const Outline& outline, draw::Point u) const;
+  void draw_spring(draw::Pen& pen) const;
 
   RunOptions run_;
   long stride_;          ///< steps between two samples
