@@ -289,8 +289,8 @@ class PairStage final : public program::Stage {
     }
     parabola::draw_bead(canvas, x);
     if (!show.numbers)
-      canvas.label({view().left, view().top}, names()[side], canvas.theme().muted,
-                   draw::Font::small);
+      canvas.label({0.5 * (view().left + view().right), view().bottom}, names()[side],
+                   canvas.theme().muted, draw::Font::small, draw::Align::center, {0.0, 14.0});
     if (show.names)
       canvas.label(point(x), "particle", canvas.theme().ink, draw::Font::bold, draw::Align::left,
                    {14.0, 14.0});
