@@ -11,15 +11,15 @@
 #include "exact.hpp"
 #include "integrators/amplification.hpp"
 #include "measure/ladder.hpp"
+#include "orders.hpp"
 #include "parabola/implicit_bead.hpp"
+#include "stability.hpp"
+#include "stability_check.hpp"
 #include "turned_off.hpp"
 
 #ifdef TUTORIAL_PICTURES
-#include "orders.hpp"
 #include "picture_check.hpp"
 #include "pictures.hpp"
-#include "stability.hpp"
-#include "stability_check.hpp"
 #endif
 
 using Eigen::Vector2d;

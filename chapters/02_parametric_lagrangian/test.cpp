@@ -6,15 +6,15 @@
 #include "catch.hpp"
 #include "exact.hpp"
 #include "measure/ladder.hpp"
+#include "orders.hpp"
 #include "parabola/implicit_bead.hpp"
 #include "parametric_bead.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "orders.hpp"
-#include "picture_check.hpp"
-#include "pictures.hpp"
 #include "stability.hpp"
 #include "stability_check.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "picture_check.hpp"
+#include "pictures.hpp"
 #endif
 
 using Eigen::Vector2d;

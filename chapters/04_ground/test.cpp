@@ -5,14 +5,14 @@
 #include "catch.hpp"
 #include "exact.hpp"
 #include "measure/ladder.hpp"
-#include "scene.hpp"
-
-#ifdef TUTORIAL_PICTURES
 #include "orders.hpp"
-#include "picture_check.hpp"
-#include "pictures.hpp"
+#include "scene.hpp"
 #include "stability.hpp"
 #include "stability_check.hpp"
+
+#ifdef TUTORIAL_PICTURES
+#include "picture_check.hpp"
+#include "pictures.hpp"
 #endif
 
 using ground::decay;

@@ -7,15 +7,15 @@
 #include "catch.hpp"
 #include "exact.hpp"
 #include "measure/ladder.hpp"
+#include "orders.hpp"
 #include "scene.hpp"
+#include "stability.hpp"
+#include "stability_check.hpp"
 #include "turned_off.hpp"
 
 #ifdef TUTORIAL_PICTURES
-#include "orders.hpp"
 #include "picture_check.hpp"
 #include "pictures.hpp"
-#include "stability.hpp"
-#include "stability_check.hpp"
 #endif
 
 using measure::Method;
