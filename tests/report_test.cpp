@@ -30,6 +30,7 @@ struct Oscillator {
             .drive = std::abs(q)};
   }
   std::string culprit(double, double, double) const { return "the oscillator"; }
+  void cover(double q, measure::Reach& reach) const { reach.cover(q, 0.0); }
   double free_acceleration() const { return 1.0; }
   measure::Columns columns() const { return {{"q", "v"}, {}}; }
   measure::Uses uses() const {

@@ -40,6 +40,9 @@ class Pen {
   /// The sentence under the picture, for those who read without seeing it.
   const std::string& caption() const { return caption_; }
   void set_caption(std::string_view caption) { caption_ = caption; }
+  /// What is said at the end of the caption, whatever the picture.
+  const std::string& remark() const { return remark_; }
+  void set_remark(std::string_view remark) { remark_ = remark; }
 
   void line(Point from, Point to, Color color, double thickness = 1.6, Dash dash = Dash::solid);
   /// Breaks where a point is not finite.
@@ -74,7 +77,7 @@ class Pen {
   Fonts fonts_;
   Theme theme_;
   double width_, height_, scale_;
-  std::string caption_;
+  std::string caption_, remark_;
 };
 
 }  // namespace draw

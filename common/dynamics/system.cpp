@@ -446,6 +446,33 @@ double System::distance(const VectorXd& q) {
   return std::sqrt(std::max(0.0, C_.dot(mu_)));
 }
 
+double System::radius(const ThingInfo& thing) const {
+  return thing.dof == 3 ? std::sqrt(3 * M_[thing.column + 2] * W_[thing.column]) : 0;
+}
+
+// For one row with gradient g the Newton step is W g C / (g^T W g).
+double System::opening(const VectorXd& q) {
+  prepare();
+  evaluate(q, v0_);
+  mu_.setZero();  // of each row, g^T W g, and the way of its things for C = 1, times that
+  b_.setZero();
+  for (const JBlock& block : J_blocks_) {
+    const Eigen::Map<const Eigen::MatrixXd> J(J_.data() + block.J, block.r, block.dof);
+    const double lever =
+        block.dof == 3 ? std::sqrt(3 * M_[block.column + 2] * W_[block.column]) : 0;
+    for (int k = 0; k < block.r; ++k) {
+      const double W_m = W_[block.column], W_I = block.dof == 3 ? W_[block.column + 2] : 0;
+      const double J_x = std::hypot(J(k, 0), J(k, 1)), J_theta = block.dof == 3 ? J(k, 2) : 0;
+      mu_[block.row + k] += W_m * J_x * J_x + W_I * J_theta * J_theta;
+      b_[block.row + k] += W_m * J_x + lever * W_I * std::abs(J_theta);
+    }
+  }
+  double opening = 0;
+  for (Eigen::Index row = 0; row < C_.size(); ++row)
+    if (mu_[row] > 0) opening = std::max(opening, std::abs(C_[row]) * b_[row] / mu_[row]);
+  return opening;
+}
+
 double System::constraint_error(const VectorXd& q) {
   prepare();
   evaluate(q, v0_);

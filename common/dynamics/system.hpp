@@ -266,6 +266,13 @@ class System {
   double free_acceleration(double t, const VectorXd& q, const VectorXd& v);
   /// sqrt(C^T K^-1 C), the distance to the constraints in the mass metric (m sqrt(kg)).
   double distance(const VectorXd& q);
+  /// How far the joint that is furthest open gapes (m): the way by which its things come back by
+  /// one Newton step for each row alone, in the mass metric; an angle counts times its thing's
+  /// radius.
+  double opening(const VectorXd& q);
+  /// The circle (m) about a body's centre that a uniform rod or rectangle of its inertia fits in,
+  /// sqrt(3 I / m); a particle has none.
+  double radius(const ThingInfo& thing) const;
   /// The largest |C| of all rows, each in its own unit.
   double constraint_error(const VectorXd& q);
   /// The largest |J v|.

@@ -29,24 +29,19 @@ struct Intervals {
   double length;  ///< [s]
 };
 
-void look(Simulation& simulation, double initial_balance, Rung& rung) {
-  const Measures now = simulation.measures();
-  if (!now.finite())
-    throw Diverged(at(simulation.time()) + "the energy or an error is no longer finite");
-  rung.constraint_error = std::max(rung.constraint_error, now.constraint_error);
-  rung.energy_error = std::max(rung.energy_error, std::abs(now.balance() - initial_balance));
-}
-
 void run_for_errors(Simulation& simulation, const Errors& errors, const Intervals& intervals,
-                    Rung& rung) {
-  const double initial_balance = simulation.measures().balance();
+                    const std::vector<Quantity>& quantities, Rung& rung) {
+  Watch watch(simulation);
   const long stride = std::max(1L, intervals.number / most_looks);
   for (long done = 0; done < intervals.number;) {
     const long more = std::min(stride, intervals.number - done);
     simulation.advance(more, intervals.length);
     done += more;
-    look(simulation, initial_balance, rung);
+    const Measures now = simulation.measures();
+    watch.look(now);
+    rung.constraint_error = std::max(rung.constraint_error, now.constraint_error);
   }
+  rung.energy_error = watch.largest_energy_error();
   rung.evaluations = simulation.evaluations();
   rung.steps = simulation.steps();
   rung.step = simulation.time() / static_cast<double>(rung.steps);
@@ -54,6 +49,7 @@ void run_for_errors(Simulation& simulation, const Errors& errors, const Interval
   for (const double error : rung.errors)
     if (!std::isfinite(error))
       throw Diverged(at(simulation.time()) + "the error is no longer finite");
+  rung.far_off = judge(watch, quantities, rung.errors).words();
 }
 
 double run_for_time(Simulation& simulation, const Intervals& intervals) {
@@ -74,6 +70,16 @@ double run_for_time(Simulation& simulation, const Intervals& intervals) {
 }
 
 }  // namespace
+
+Verdict judge(const Watch& watch, const std::vector<Quantity>& quantities,
+              const std::vector<double>& errors) {
+  double position = 0.0, angle = 0.0;
+  for (std::size_t k = 0; k < errors.size() && k < quantities.size(); ++k) {
+    if (quantities[k].unit == "m") position = std::max(position, errors[k]);
+    if (quantities[k].unit == "rad") angle = std::max(angle, errors[k]);
+  }
+  return watch.verdict(position, angle);
+}
 
 std::vector<Rung> climb(const Ladder& ladder, const Start& start, const Errors& errors,
                         const Progress& progress) {
@@ -102,7 +108,7 @@ std::vector<Rung> climb(const Ladder& ladder, const Start& start, const Errors& 
       progress(done++ / all, rung.method);
       const auto simulation = start(method);
       try {
-        run_for_errors(*simulation, errors, intervals, rung);
+        run_for_errors(*simulation, errors, intervals, ladder.quantities, rung);
         rung.seconds = run_for_time(*simulation, intervals);
       } catch (const Diverged& diverged) {
         rung.errors.clear();

@@ -7,14 +7,19 @@
 
 #include "measure/method.hpp"
 #include "measure/simulation.hpp"
+#include "measure/watch.hpp"
 
 namespace measure {
 
 /// Something that is measured against the exact answer.
 struct Quantity {
   std::string name;  ///< "position"
-  std::string unit;  ///< "m"
+  std::string unit;  ///< "m"; one in m or rad tells where the scene is
 };
+
+/// The verdict at the end of a run, where the errors of its quantities are known.
+Verdict judge(const Watch& watch, const std::vector<Quantity>& quantities,
+              const std::vector<double>& errors);
 
 /// One run of one method with one step.
 struct Rung {
@@ -29,6 +34,7 @@ struct Rung {
       {};  ///< of each quantity at the end of the run; empty when the run failed
   double constraint_error = 0.0;  ///< largest |C| over the run
   double energy_error = 0.0;      ///< largest change of the energy balance over the run [J]
+  std::string far_off = {};       ///< what of it is far from right: Verdict::words()
   std::string failure = {};       ///< why the run stopped, in words; empty when it did not
 };
 
@@ -40,6 +46,7 @@ struct Ladder {
   double coarsest;  ///< the first step [s], each further one half of the last; a method of more
                     ///< evaluations a step than RK4 begins with a step as much longer
   int rungs = 12;   ///< at most; at least 8 are climbed
+  std::vector<Quantity> quantities = {};  ///< of the errors, for the verdict
   long most_steps = 1L << 22;
 };
 
@@ -47,9 +54,9 @@ using Start = std::function<std::unique_ptr<Simulation>(const Method&)>;
 using Errors = std::function<std::vector<double>(const Row&)>;
 using Progress = std::function<void(double done, const std::string& what)>;
 
-/// Runs the ladder. `errors(row)` compares the last row of a run with the exact answer; the first
-/// quantity is the one by which a curve ends: a rung after its error has stopped falling, since
-/// from there on rounding is all that is measured.
+/// Runs the ladder; a run that Watch stops is a rung that failed. `errors(row)` compares the last
+/// row of a run with the exact answer; the first quantity is the one by which a curve ends: a rung
+/// after its error has stopped falling, since from there on rounding is all that is measured.
 std::vector<Rung> climb(const Ladder& ladder, const Start& start, const Errors& errors,
                         const Progress& progress);
 

@@ -23,6 +23,11 @@ constexpr std::string_view name(Stabilization s) {
 
 /// Where the ladder of a method that chooses its own steps begins, and where it ends.
 inline constexpr double coarsest_tolerance = 1e-2, finest_tolerance = 1e-14;
+/// The largest tolerance that a run may have.
+inline constexpr double coarsest_allowed = 0.1;
+
+/// So many steps may a run take: some minutes of work.
+inline constexpr double most_steps = 1e8;
 
 /// Everything that decides how a scene is advanced, but for the step.
 struct Method {

@@ -13,6 +13,7 @@
 
 #include "integrators/integrator.hpp"
 #include "measure/method.hpp"
+#include "measure/reach.hpp"
 
 namespace measure {
 
@@ -23,6 +24,7 @@ struct Measures {
   double velocity_error;    ///< largest |J v|
   double work = 0.0;        ///< done by loads that have no potential [J]
   double kinetic;           ///< [J]
+  double opening = 0.0;  ///< the way that brings the joint that is furthest open back together [m]
   double drive;  ///< √(FᵀWF) of the applied forces: how fast √(2·kinetic) grows at most [N/√kg]
 
   /// What stays constant in an exact motion [J].
@@ -57,15 +59,30 @@ struct Uses {
   int degrees_of_freedom() const { return coordinates - rank; }
 };
 
+/// What is wrong with a run, as far as it matters for what to try.
+enum class Trouble {
+  wrong,      ///< it is not, or no longer, a motion of the scene
+  tolerance,  ///< its tolerance asks for more than can be done
+};
+
 /// A simulation that cannot go on; the message is one line for the user.
 struct Diverged : std::runtime_error {
-  using std::runtime_error::runtime_error;
+  explicit Diverged(const std::string& message, Trouble kind = Trouble::wrong)
+      : std::runtime_error(message), trouble(kind) {}
+  Trouble trouble;
 };
 
 /// "at t = 3.2 s: ", for such a message.
 inline std::string at(double t) {
   std::array<char, 48> text{};
   std::snprintf(text.data(), text.size(), "at t = %.6g s: ", t);
+  return text.data();
+}
+
+/// A number for such a message, with two digits.
+inline std::string in_digits(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.2g", value);
   return text.data();
 }
 
@@ -88,12 +105,20 @@ class Simulation {
   virtual double time() const = 0;
   /// How often q̈ = a(t, q, v) was evaluated: the cost that no clock blurs.
   virtual long evaluations() const = 0;
-  /// How many steps the integrator has taken.
+  /// How many steps the integrator has taken, and the shortest that a tolerance has chosen [s].
   virtual long steps() const = 0;
+  virtual double shortest_step() const = 0;
+  /// |q|, of which a tolerance is a part.
+  virtual double state_size() const = 0;
+  virtual const Method& method() const = 0;
+  /// The h [s] of the last advance().
+  virtual double step() const = 0;
   // These two may use the model's workspace.
   virtual Measures measures() = 0;
-  /// The √(2·kinetic) that feedback can make of the constraint error as it is now [√J].
-  virtual double feedback_speed() = 0;
+  /// To the constraints, in the mass metric [m√kg]; 0 for a model that starts on them.
+  virtual double distance() = 0;
+  /// Covers the places of all that moves.
+  virtual void cover(Reach& reach) const = 0;
   /// The part of the scene that moves most and the constraint that is furthest off, in words.
   virtual std::string culprit() = 0;
   virtual Row row() = 0;
@@ -110,16 +135,18 @@ template <class Vector>
 bool is_finite(const Vector& values) {
   return values.allFinite();
 }
-inline long size(double) { return 1; }
+
+inline double norm(double value) { return std::abs(value); }
 template <class Vector>
-long size(const Vector& values) {
-  return values.size();
+double norm(const Vector& values) {
+  return values.norm();
 }
 
 /// A model is a state (q, v) of some vector type and its acceleration. One with constraints may
-/// have a way back onto them, project(q, v), and know its feedback_speed(q).
+/// have a way back onto them, project(q, v), and know its distance(q).
 template <class M>
-concept Model = requires(M model, typename M::Vector& q, typename M::Vector& v, Row& row) {
+concept Model = requires(M model, typename M::Vector& q, typename M::Vector& v, Row& row,
+                         Reach& reach) {
   model.acceleration(0.0, q, v, q);  // writes q̈ into the last argument
   { model.initial_position() } -> std::convertible_to<typename M::Vector>;
   { model.initial_velocity() } -> std::convertible_to<typename M::Vector>;
@@ -128,6 +155,7 @@ concept Model = requires(M model, typename M::Vector& q, typename M::Vector& v, 
   { model.free_acceleration() } -> std::same_as<double>;  // |q̈| at the start without constraints
   { model.columns() } -> std::same_as<Columns>;
   { model.uses() } -> std::same_as<Uses>;
+  model.cover(q, reach);
   model.observe(0.0, q, v, row);  // fills row.state and row.reactions
 };
 
@@ -141,9 +169,8 @@ class Motion final : public Simulation {
       : model_(std::move(model)),
         integrator_(method.integrator, model_.initial_position(), method.tolerance,
                     epsilon * model_.free_acceleration()),
-        projected_(method.stabilization == Stabilization::projection) {
+        method_(method) {
     restart();
-    most_evaluations_ = most_work / std::max(least_size, size(q_));
   }
 
   void restart() override {
@@ -151,7 +178,8 @@ class Motion final : public Simulation {
     v_ = model_.initial_velocity();
     integrator_.restart();
     t_ = t_anchor_ = h_ = 0.0;
-    intervals_since_anchor_ = steps_ = evaluations_ = 0;
+    shortest_step_ = std::numeric_limits<double>::infinity();
+    intervals_since_anchor_ = intervals_ = steps_ = evaluations_ = 0;
   }
 
   // [loop]
@@ -163,16 +191,19 @@ class Motion final : public Simulation {
     };
     for (long i = 0; i < steps; ++i) {
       const double end = t_anchor_ + static_cast<double>(++intervals_since_anchor_) * h;
+      const long steps_before = steps_;
       for (double rest = h; rest > 0.0;) {
-        rest -= step(acceleration, rest);
+        const double taken = take_step(acceleration, rest);
+        if (taken < rest) shortest_step_ = std::min(shortest_step_, taken);
+        rest -= taken;
         if constexpr (requires { model_.project(q_, v_); })
-          if (projected_) model_.project(q_, v_);
+          if (projected()) model_.project(q_, v_);
         t_ = end - rest;
         if (!is_finite(q_) || !is_finite(v_))
           throw Diverged(at(t_) + first_not_finite() + " is no longer finite");
-        if (rest > 0.0 && evaluations_ > most_evaluations_)
-          throw Diverged(at(t_) + "the tolerance takes too many steps");
+        if (rest > 0.0) look_at_pace(steps_before, h);
       }
+      ++intervals_;
     }
   }
   // [loop]
@@ -196,19 +227,24 @@ class Motion final : public Simulation {
   double time() const override { return t_; }
   long evaluations() const override { return evaluations_; }
   long steps() const override { return steps_; }
+  double shortest_step() const override { return shortest_step_; }
+  double state_size() const override { return norm(q_); }
+  const Method& method() const override { return method_; }
+  double step() const override { return h_; }
   Measures measures() override { return model_.measures(t_, q_, v_); }
-  double feedback_speed() override {
-    if constexpr (requires { model_.feedback_speed(q_); })
-      return model_.feedback_speed(q_);
+  double distance() override {
+    if constexpr (requires { model_.distance(q_); })
+      return model_.distance(q_);
     else
       return 0.0;
   }
+  void cover(Reach& reach) const override { model_.cover(q_, reach); }
   std::string culprit() override { return model_.culprit(t_, q_, v_); }
   Columns columns() const override { return model_.columns(); }
   Uses uses() override {
     Uses uses = model_.uses();
     if constexpr (requires { model_.project(q_, v_); })
-      if (!projected_) uses.left_out.push_back("projection");
+      if (!projected()) uses.left_out.push_back("projection");
     return uses;
   }
   Row row() override {
@@ -230,18 +266,34 @@ class Motion final : public Simulation {
   const Vector& v() const { return v_; }
 
  private:
+  bool projected() const { return method_.stabilization == Stabilization::projection; }
+
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  /// So many evaluations times coordinates are allowed to a tolerance, a second or two of work;
-  /// below so many coordinates an evaluation costs the same.
-  static constexpr long most_work = 50000000, least_size = 20;
+  /// A tolerance may take as many steps as may be given, as evenly as it likes. One whose steps
+  /// collapse, so that an interval costs a hundred times what those before did, comes to no end.
+  void look_at_pace(long steps_before, double h) const {
+    constexpr double enough = 1e5, collapse = 100.0, part = 50.0;
+    const auto here = static_cast<double>(steps_ - steps_before);
+    const double mean = intervals_ == 0
+                            ? most_steps / part / collapse
+                            : static_cast<double>(steps_before) / static_cast<double>(intervals_);
+    if (here > enough && here > collapse * mean)
+      throw Diverged(at(t_) + "the tolerance takes more than " + in_digits(here) + " steps in " +
+                         in_digits(h) + " s",
+                     Trouble::tolerance);
+    if (static_cast<double>(steps_) > most_steps)
+      throw Diverged(at(t_) + "the tolerance takes more than " + in_digits(most_steps) + " steps",
+                     Trouble::tolerance);
+  }
 
   template <class Acceleration>
-  double step(Acceleration& acceleration, double h) {
+  double take_step(Acceleration& acceleration, double h) {
     ++steps_;
     try {
       return integrator_.step(acceleration, t_, q_, v_, h);
     } catch (const integrators::NoStep& reason) {
-      throw Diverged(at(t_) + reason.what());
+      throw Diverged(at(t_) + reason.what(),
+                     method_.tolerance > 0.0 ? Trouble::tolerance : Trouble::wrong);
     }
   }
 
@@ -264,11 +316,10 @@ class Motion final : public Simulation {
 
   M model_;
   integrators::Integrator<Vector> integrator_;
-  bool projected_;
-  long most_evaluations_;
+  Method method_;
   Vector q_, v_;
-  double t_, t_anchor_, h_;
-  long intervals_since_anchor_, steps_, evaluations_;
+  double t_, t_anchor_, h_, shortest_step_;
+  long intervals_since_anchor_, intervals_, steps_, evaluations_;
 };
 
 }  // namespace measure

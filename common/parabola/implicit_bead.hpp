@@ -73,8 +73,10 @@ class ImplicitBead {
             .constraint_error = std::abs(C(x)),
             .velocity_error = std::abs(gradient(x).dot(v)),
             .kinetic = scene_.kinetic(v),
+            .opening = std::abs(C(x)) / gradient(x).norm(),
             .drive = scene_.drive()};
   }
+  void cover(const Vector& x, measure::Reach& reach) const { reach.cover(x.x(), x.y()); }
   double free_acceleration() const { return F_.norm() / scene_.mass; }
   std::string culprit(double, const Vector& x, const Vector&) const {
     return fmt::format("the curve is off by C = {:.2g} m²", C(x));

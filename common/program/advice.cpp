@@ -42,17 +42,32 @@ std::optional<std::string> fault_of_gains(const RunOptions& run) {
                          : fmt::format("a step of {:g} s, only up to {:.3g} s", run.step, *limit));
 }
 
-std::string advice(const Chapter& chapter, const RunOptions& run) {
-  if (const auto limit = limit_of_feedback(run))
-    return *limit == 0.0 ? std::string("another --integrator, or --stabilization projection")
-                         : fmt::format(
-                               "a --step of {:.3g} s or less, smaller gains, or "
-                               "--stabilization projection",
-                               *limit);
-  std::string text = run.method.tolerance > 0.0 ? "a larger --tolerance" : "a smaller --step";
-  if (chapter.has_constraints && run.method.stabilization == measure::Stabilization::none)
-    text += ", --stabilization projection";
-  return text + " or another --integrator";
+std::string advice(const Chapter& chapter, const RunOptions& run, measure::Trouble trouble) {
+  const measure::Method& method = run.method;
+  const bool feedback = method.stabilization == measure::Stabilization::feedback;
+  const double shortest = run.duration / measure::most_steps;
+  std::vector<std::string> ways;
+  if (const auto limit = limit_of_feedback(run)) {
+    if (*limit > shortest) ways.push_back(fmt::format("a --step of {:.3g} s or less", *limit));
+    ways.emplace_back("smaller gains");
+  } else if (trouble == measure::Trouble::tolerance) {
+    if (method.tolerance < measure::coarsest_allowed) ways.emplace_back("a larger --tolerance");
+    ways.emplace_back("a --step without --tolerance");
+  } else if (method.tolerance > 0.0) {
+    if (method.tolerance > 2.0 * measure::finest_tolerance)
+      ways.emplace_back("a smaller --tolerance");
+  } else if (run.step > 2.0 * shortest) {
+    ways.emplace_back("a smaller --step");
+  }
+  if (chapter.has_constraints && method.stabilization != measure::Stabilization::projection)
+    ways.emplace_back(feedback ? "--stabilization projection in place of --ks and --kd"
+                               : "--stabilization projection");
+  if (method.tolerance == 0.0) ways.emplace_back("another --integrator");
+  if (ways.empty()) ways.emplace_back("a shorter --duration");
+  std::string text = ways[0];
+  for (std::size_t i = 1; i < ways.size(); ++i)
+    text += (i + 1 < ways.size() ? ", " : " or ") + ways[i];
+  return text;
 }
 
 }  // namespace program

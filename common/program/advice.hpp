@@ -11,6 +11,6 @@ namespace program {
 std::optional<std::string> fault_of_gains(const RunOptions& run);
 
 /// What to try after a run that could not go on.
-std::string advice(const Chapter& chapter, const RunOptions& run);
+std::string advice(const Chapter& chapter, const RunOptions& run, measure::Trouble trouble);
 
 }  // namespace program

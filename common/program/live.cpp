@@ -240,8 +240,8 @@ class Live {
     } catch (const measure::Diverged& diverged) {
       diverged_ = true;
       playing_ = false;
-      message_ =
-          of_controls(fmt::format("stopped {}; try {}", diverged.what(), advice(chapter_, run_)));
+      message_ = of_controls(fmt::format("stopped {}; try {}", diverged.what(),
+                                         advice(chapter_, run_, diverged.trouble)));
       say(message_);
     }
     stepping_ += measure::cpu_seconds() - start;
@@ -412,6 +412,14 @@ class Live {
     const draw::Theme& theme = draw::theme("light");
     const bool late = playing_ && player_.kept() < 0.95;
     std::string text = message_;
+    if (const auto verdict = stage_->verdict(); text.empty() && !verdict.right())
+      text = of_controls(fmt::format("far from right: {}; try {}", verdict.text(),
+                                     advice(chapter_, run_, verdict.trouble())));
+    const bool wrong = message_.empty() && !text.empty();
+    if (wrong != wrong_) {
+      wrong_ = wrong;
+      if (wrong) say(fmt::format("{} {}", text, now()));
+    }
     if (text.empty() && late)
       text = fmt::format("cannot keep up: {} × real time", figure(player_.kept() * speed_, 2));
     if (late != late_) {
@@ -449,7 +457,7 @@ class Live {
   Player player_;
   Show show_;
   double speed_ = 1.0;
-  bool playing_ = false, diverged_ = false, late_ = false;
+  bool playing_ = false, diverged_ = false, late_ = false, wrong_ = false;
   std::string message_;
 
   long frames_ = 0, steps_ = 0;

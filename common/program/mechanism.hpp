@@ -95,11 +95,15 @@ class Mechanism {
             .velocity_error = system.velocity_error(q, v),
             .work = work ? work(q) : 0.0,
             .kinetic = system.kinetic_energy(v),
+            .opening = system.opening(q),
             .drive = system.drive(t, q, v)};
   }
   double free_acceleration() { return system.free_acceleration(0.0, q_, v_); }
-  double feedback_speed(const Vector& q) {
-    return ks_ == 0.0 ? 0.0 : std::sqrt(ks_) * system.distance(q);
+  double distance(const Vector& q) { return system.distance(q); }
+  /// A body as the disc about its centre that a uniform rod or rectangle of its inertia just fits.
+  void cover(const Vector& q, measure::Reach& reach) const {
+    for (const dynamics::ThingInfo& thing : system.things())
+      reach.cover(q[thing.column], q[thing.column + 1], system.radius(thing));
   }
 
   /// The poses that lost rank, as far as `observe` has seen them.

@@ -38,8 +38,8 @@ void open_standard_streams() {
 /// A line on standard error; if that cannot be written, there is nobody to tell.
 void say(const std::string& text) { std::fputs(text.c_str(), stderr); }
 
-constexpr double most_steps = 1e8;  // some minutes of work
-constexpr int cells_across = 24;    // of a stability map
+using measure::most_steps;
+constexpr int cells_across = 24;  // of a stability map
 
 /// What the command line asks for, beside the scene's parameters.
 struct Request {
@@ -47,6 +47,7 @@ struct Request {
   bool integrator_given = false, step_given = false;
   std::optional<measure::Stabilization> stabilization;
   std::optional<double> ks, kd, tolerance;
+  bool strict = false;
   std::string out = ".";
 #ifdef TUTORIAL_PICTURES
   Snapshot snapshot;
@@ -137,7 +138,7 @@ void add_tolerance(CLI::App& app, Request& request) {
   add_number(app, "--tolerance", "",
              "dop853 chooses its own steps, each with an error of at most this part of the state, "
              "1e-14 to 0.1; --step is then the longest, by default a fiftieth of --duration",
-             {measure::finest_tolerance, 0.1},
+             {measure::finest_tolerance, measure::coarsest_allowed},
              [&request](double tolerance) { request.tolerance = tolerance; })
       ->group("Method");
 }
@@ -154,6 +155,12 @@ void add_times(CLI::App& app, Request& request, const std::string& step_help) {
                request.step_given = true;
              })
       ->group("Method");
+}
+
+void add_strict(CLI::App& app, Request& request) {
+  app.add_flag("--strict", request.strict,
+               "ends with status 1 where the run is far from right, which is a warning else")
+      ->group("Output");
 }
 
 void add_out(CLI::App& app, Request& request) {
@@ -367,9 +374,22 @@ void print_uses(const measure::Uses& uses, double step) {
   fmt::print("\nleft out: {}\n", fmt::join(uses.left_out, ", "));
 }
 
+/// What is known of a run at its end; the errors of the constraints are the largest over it.
+struct Finished {
+  measure::Row last;
+  std::vector<double> errors;
+  double constraint_error = 0.0, velocity_error = 0.0, energy_error = 0.0;
+  measure::Verdict verdict;
+};
+
+/// With --strict, a run that is far from right.
+struct FarFromRight : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 void print_summary(const Chapter& chapter, const RunOptions& run, measure::Simulation& simulation,
-                   const measure::Row& last, const std::vector<double>& errors,
-                   const measure::Measures& largest) {
+                   const Finished& finished) {
+  const auto& [last, errors, constraint_error, velocity_error, energy_error, verdict] = finished;
   const auto line = [](const std::string& name, double value, const std::string& unit) {
     fmt::print("  {:<28}{:>12.3g} {}\n", name, value, unit);
   };
@@ -394,9 +414,59 @@ void print_summary(const Chapter& chapter, const RunOptions& run, measure::Simul
   for (std::size_t k = 0; k < errors.size(); ++k)
     line(chapter.quantities[k].name, errors[k], chapter.quantities[k].unit);
   fmt::print("\nlargest over the run\n");
-  line("constraint error |C|", largest.constraint_error, chapter.constraint_unit);
-  line("velocity error |J v|", largest.velocity_error, chapter.constraint_unit + "/s");
-  line("energy error", largest.energy, "J");
+  line("constraint error |C|", constraint_error, chapter.constraint_unit);
+  line("velocity error |J v|", velocity_error, chapter.constraint_unit + "/s");
+  line("energy error", energy_error, "J");
+  if (!verdict.right()) fmt::print("\nfar from right: {}\n", verdict.text());
+}
+
+/// The loop of `run`, and of `snapshot` ahead of its pictures. Hands on the rows that --every
+/// wants, and tells a run that is far from right: by a warning, or with --strict by an exception.
+template <class TakeRow>
+Finished run_to_the_end(const Chapter& chapter, const Request& request,
+                        measure::Simulation& simulation, TakeRow&& take_row) {
+  const RunOptions& run = request.run;
+  const long steps = run.whole_steps();
+  const double rest = run.remainder();
+  Finished finished;
+  measure::Row& last = finished.last;
+  measure::Watch watch(simulation);
+  {
+    Progress progress;
+    double next_row = 0.0;
+    for (long done = 0;; ++done) {
+      last = simulation.row();
+      watch.look(last.measures);
+      if (!is_finite(last))
+        throw measure::Diverged(measure::at(last.t) + "a force is no longer finite");
+      finished.constraint_error =
+          std::max(finished.constraint_error, last.measures.constraint_error);
+      finished.velocity_error = std::max(finished.velocity_error, last.measures.velocity_error);
+      const bool end = done == steps + (rest > 0.0 ? 1 : 0);
+      if (end || last.t >= next_row - 1e-9 * run.step) {
+        take_row(last);
+        if (run.every > 0.0) next_row = (std::floor(last.t / run.every + 1e-9) + 1.0) * run.every;
+      }
+      if (end) break;
+      if (done % 64 == 0)
+        progress.show(static_cast<double>(done) / static_cast<double>(steps), "simulated");
+      simulation.advance(1, done < steps ? run.step : rest);
+    }
+    progress.show(1.0, "exact answer");
+    finished.errors = chapter.errors(last);
+  }
+  for (const double error : finished.errors)
+    if (!std::isfinite(error))
+      throw measure::Diverged(measure::at(last.t) + "the error is no longer finite");
+  finished.energy_error = watch.largest_energy_error();
+  finished.verdict = measure::judge(watch, chapter.quantities, finished.errors);
+  if (!finished.verdict.right()) {
+    const std::string text = fmt::format("{}; try {}", finished.verdict.text(),
+                                         advice(chapter, run, finished.verdict.trouble()));
+    if (request.strict) throw FarFromRight(text);
+    say(fmt::format("warning: {}\n", text));
+  }
+  return finished;
 }
 
 void run_command(const Chapter& chapter, const Request& request) {
@@ -414,38 +484,11 @@ void run_command(const Chapter& chapter, const Request& request) {
   }
   warn_of_gains(run);
 
-  const long steps = run.whole_steps();
-  const double rest = run.remainder();
-  measure::Measures largest{};
-  const double initial_balance = simulation->measures().balance();
-  measure::Watch watch(*simulation);
-  Progress progress;
-  double next_row = 0.0;
-  measure::Row last;
-  for (long done = 0;; ++done) {
-    last = simulation->row();
-    watch.look(last.measures);
-    if (!is_finite(last))
-      throw measure::Diverged(measure::at(last.t) + "a force is no longer finite");
-    largest.energy = std::max(largest.energy, std::abs(last.measures.balance() - initial_balance));
-    largest.constraint_error = std::max(largest.constraint_error, last.measures.constraint_error);
-    largest.velocity_error = std::max(largest.velocity_error, last.measures.velocity_error);
-    const bool end = done == steps + (rest > 0.0 ? 1 : 0);
-    if (trajectory && (end || last.t >= next_row - 1e-9 * run.step)) {
-      trajectory->add(last);
-      if (run.every > 0.0) next_row = (std::floor(last.t / run.every + 1e-9) + 1.0) * run.every;
-    }
-    if (end) break;
-    if (done % 1024 == 0)
-      progress.show(static_cast<double>(done) / static_cast<double>(steps), "simulated");
-    simulation->advance(1, done < steps ? run.step : rest);
-  }
-  const std::vector<double> errors = chapter.errors(last);
-  for (const double error : errors)
-    if (!std::isfinite(error))
-      throw measure::Diverged(measure::at(last.t) + "the error is no longer finite");
+  const Finished finished = run_to_the_end(chapter, request, *simulation, [&](const auto& row) {
+    if (trajectory) trajectory->add(row);
+  });
   if (trajectory) trajectory->finish();
-  if (run.csv != "-") print_summary(chapter, run, *simulation, last, errors, largest);
+  if (run.csv != "-") print_summary(chapter, run, *simulation, finished);
 }
 
 // -------------------------------------------------------------------------------------------
@@ -471,6 +514,7 @@ void report_command(const Chapter& chapter, const Request& request) {
   measure::Ladder ladder = chapter.ladder;
   ladder.duration = request.run.duration;
   ladder.coarsest = request.run.step;
+  ladder.quantities = chapter.quantities;
   if (request.integrator_given || request.stabilization || request.ks || request.kd)
     ladder.methods = {request.run.method};
   if (ladder.duration / ladder.coarsest > static_cast<double>(ladder.most_steps >> 7))
@@ -591,7 +635,13 @@ void snapshot_command(const Chapter& chapter, const Request& request) {
   request.snapshot.check(request.run, most_steps);
   prepare_folder(request.out);
   warn_of_gains(request.run);
-  take(request.snapshot, chapter, request.run, request.out);
+  Request ahead = request;
+  ahead.run.duration = request.snapshot.end(request.run);
+  measure::Verdict verdict;
+  if (ahead.run.duration > 0.0)
+    verdict = run_to_the_end(chapter, ahead, *chapter.start(ahead.run.method), [](const auto&) {
+              }).verdict;
+  take(request.snapshot, chapter, request.run, remark(verdict), request.out);
 }
 #endif
 
@@ -655,6 +705,7 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
       "time between rows: a row at the first step at or after each multiple (default: every step)",
       positive, [&](double s) { request.run.every = s; })
       ->group("Output");
+  add_strict(*run, request);
   run->callback([&] {
     settle(request);
     run_command(chapter, request);
@@ -668,6 +719,7 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
     add_tolerance(*snapshot, request);
     add_times(*snapshot, request, "step of the integrator");
     add_page(*snapshot, request);
+    add_strict(*snapshot, request);
     snapshot->callback([&] {
       settle(request);
       snapshot_command(chapter, request);
@@ -742,8 +794,9 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
   } catch (const UsageError& error) {
     return complain(error.what(), 2);
   } catch (const measure::Diverged& diverged) {
-    return complain(
-        fmt::format("stopped {}; try {}", diverged.what(), advice(chapter, request.run)), 1);
+    return complain(fmt::format("stopped {}; try {}", diverged.what(),
+                                advice(chapter, request.run, diverged.trouble)),
+                    1);
   } catch (const std::exception& error) {
     return complain(error.what(), 1);
   }

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <condition_variable>
+#include <mutex>
 #include <string>
+#include <thread>
 
 namespace program {
 
 /// A line on standard error that says how far the work is: only on a terminal, and only once the
-/// work has taken a second. It wipes itself away.
+/// work has taken 0.8 s. A thread of its own writes it, so that it appears however long a step or a
+/// picture takes. It wipes itself away.
 class Progress {
  public:
   Progress();
@@ -15,12 +19,19 @@ class Progress {
 
   /// `done` from 0 to 1.
   void show(double done, const std::string& what);
-  /// Wipes it away, for what is printed to the same terminal.
+  /// Wipes it away until the next show(), for what is printed to the same terminal.
   void clear();
 
  private:
-  bool terminal_, shown_ = false;
-  double last_;  ///< wall clock [s]
+  void write_now_and_then();
+  void wipe();
+
+  std::mutex mutex_;
+  std::condition_variable over_;
+  bool shown_ = false, hidden_ = false, ends_ = false;
+  double done_ = 0.0;
+  std::string what_ = "begins";
+  std::thread writer_;  ///< none where standard error is no terminal
 };
 
 }  // namespace program

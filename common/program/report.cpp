@@ -20,6 +20,11 @@ std::vector<std::string> split(const std::string& line, char separator) {
   return parts;
 }
 
+std::string without_commas(std::string text) {
+  std::replace(text.begin(), text.end(), ',', ';');
+  return text;
+}
+
 std::string order_text(const measure::Rung* coarse, const measure::Rung& fine, std::size_t k) {
   if (coarse == nullptr || fine.tolerance > 0.0) return "";
   const double order = measure::observed_order(*coarse, fine, k);
@@ -115,7 +120,8 @@ std::string table(const Report& report) {
       text += fmt::format("{:>12}{:>12.4g}", rung.evaluations, 1e3 * rung.seconds);
       for (std::size_t k = 0; k < rung.errors.size(); ++k)
         text += fmt::format("{:>22.2e}{:>7}", rung.errors[k], order_text(coarse, rung, k));
-      text += fmt::format("{:>12.2e}{:>12.2e}\n", rung.constraint_error, rung.energy_error);
+      text += fmt::format("{:>12.2e}{:>12.2e}{}\n", rung.constraint_error, rung.energy_error,
+                          rung.far_off.empty() ? "" : "  far off: " + rung.far_off);
     }
     coarse = &rung;
   }
@@ -131,13 +137,14 @@ std::string csv(const Report& report) {
   for (const std::string& line : report.machine) text += fmt::format("# machine: {}\n", line);
   if (!report.remark.empty()) text += fmt::format("# remark: {}\n", report.remark);
   text +=
-      "method,order,tolerance,step,steps,evaluations,seconds,constraint_error,energy_error,failure";
+      "method,order,tolerance,step,steps,evaluations,seconds,constraint_error,energy_error,far_off,"
+      "failure";
   for (const auto& quantity : report.quantities) text += "," + quantity.name + "_error";
   text += "\n";
   for (const measure::Rung& r : report.rungs) {
-    text += fmt::format("{},{},{:g},{:.17g},{},{},{:.6g},{:.17g},{:.17g},{}", r.method, r.order,
+    text += fmt::format("{},{},{:g},{:.17g},{},{},{:.6g},{:.17g},{:.17g},{},{}", r.method, r.order,
                         r.tolerance, r.step, r.steps, r.evaluations, r.seconds, r.constraint_error,
-                        r.energy_error, r.failure);
+                        r.energy_error, r.far_off, without_commas(r.failure));
     for (std::size_t k = 0; k < report.quantities.size(); ++k)
       text += r.errors.empty() ? "," : fmt::format(",{:.17g}", r.errors[k]);
     text += "\n";
@@ -149,7 +156,7 @@ Report read_csv(const std::filesystem::path& path) {
   std::ifstream stream(path);
   if (!stream) throw std::runtime_error(fmt::format("cannot read {}", path.string()));
   Report report;
-  bool header_seen = false;
+  std::vector<std::string> header;
   for (std::string line; std::getline(stream, line);) {
     try {
       if (line.starts_with("# ")) {
@@ -162,23 +169,30 @@ Report read_csv(const std::filesystem::path& path) {
         if (name == "machine") report.machine.push_back(value);
         if (name == "quantity")
           report.quantities.push_back({split(value, '|').at(0), split(value, '|').at(1)});
-      } else if (!header_seen) {
-        header_seen = true;
+      } else if (header.empty()) {
+        header = split(line, ',');
       } else {
         const std::vector<std::string> cells = split(line, ',');
-        measure::Rung rung{.method = cells.at(0),
-                           .order = std::stoi(cells.at(1)),
-                           .tolerance = std::stod(cells.at(2)),
-                           .step = std::stod(cells.at(3)),
-                           .steps = std::stol(cells.at(4)),
-                           .evaluations = std::stol(cells.at(5)),
-                           .seconds = std::stod(cells.at(6)),
-                           .constraint_error = std::stod(cells.at(7)),
-                           .energy_error = std::stod(cells.at(8)),
-                           .failure = cells.at(9)};
+        const auto cell = [&](const char* name) -> std::string {  // far_off came later
+          const auto column = std::find(header.begin(), header.end(), name);
+          return column == header.end()
+                     ? ""
+                     : cells.at(static_cast<std::size_t>(column - header.begin()));
+        };
+        measure::Rung rung{.method = cell("method"),
+                           .order = std::stoi(cell("order")),
+                           .tolerance = std::stod(cell("tolerance")),
+                           .step = std::stod(cell("step")),
+                           .steps = std::stol(cell("steps")),
+                           .evaluations = std::stol(cell("evaluations")),
+                           .seconds = std::stod(cell("seconds")),
+                           .constraint_error = std::stod(cell("constraint_error")),
+                           .energy_error = std::stod(cell("energy_error")),
+                           .far_off = cell("far_off"),
+                           .failure = cell("failure")};
         if (rung.failure.empty())
-          for (std::size_t k = 10; k < cells.size(); ++k)
-            rung.errors.push_back(std::stod(cells[k]));
+          for (const auto& quantity : report.quantities)
+            rung.errors.push_back(std::stod(cell((quantity.name + "_error").c_str())));
         report.rungs.push_back(rung);
       }
     } catch (const std::logic_error&) {  // std::out_of_range, std::invalid_argument

@@ -15,9 +15,10 @@ namespace {
 
 /// Returns the picture's caption.
 std::string write(const std::filesystem::path& path, const draw::Page& page,
-                  const std::function<void(draw::Pen&)>& draw) {
+                  const std::function<void(draw::Pen&)>& draw, const std::string& remark = {}) {
   std::string caption;
   const draw::Image image = draw::render(page, [&](draw::Pen& pen) {
+    pen.set_remark(remark);
     draw(pen);
     caption = pen.caption();
   });
@@ -56,8 +57,7 @@ void take_series(const Snapshot& snapshot, const Chapter& chapter, const RunOpti
                         long frame) { return fmt::format("frame_{:0{}}.png", frame, digits); };
   {
     Progress progress;
-    const auto stage = stage_up_to(static_cast<double>(snapshot.frames - 1) * snapshot.interval(),
-                                   chapter, run, progress);
+    const auto stage = stage_up_to(snapshot.end(run), chapter, run, progress);
     for (long i = 0; i < snapshot.frames; ++i) {
       progress.show(
           progress_after(static_cast<std::size_t>(i), static_cast<std::size_t>(snapshot.frames)),
@@ -99,7 +99,7 @@ void draw_sheet(draw::Pen& pen, Stage& stage, const Snapshot& snapshot,
 }
 
 void take_sheet(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& run,
-                const std::filesystem::path& out) {
+                const std::string& remark, const std::filesystem::path& out) {
   std::vector<double> times = snapshot.at;
   if (times.empty())
     for (int i = 0; i < snapshot.cells(); ++i)
@@ -107,13 +107,19 @@ void take_sheet(const Snapshot& snapshot, const Chapter& chapter, const RunOptio
   {
     Progress progress;
     const auto stage = stage_up_to(times.back(), chapter, run, progress);
-    write(out / "sheet.png", snapshot.page,
-          [&](draw::Pen& pen) { draw_sheet(pen, *stage, snapshot, times, progress); });
+    write(
+        out / "sheet.png", snapshot.page,
+        [&](draw::Pen& pen) { draw_sheet(pen, *stage, snapshot, times, progress); }, remark);
   }
   print(out / "sheet.png");
 }
 
 }  // namespace
+
+double Snapshot::end(const RunOptions& run) const {
+  if (frames > 0) return static_cast<double>(frames - 1) * interval();
+  return at.empty() ? run.duration : at.back();
+}
 
 void Snapshot::check(const RunOptions& run, double most_steps) const {
   const bool sheet = cells() > 0;
@@ -153,9 +159,9 @@ void Snapshot::check(const RunOptions& run, double most_steps) const {
 }
 
 void take(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& run,
-          const std::filesystem::path& out) {
+          const std::string& remark, const std::filesystem::path& out) {
   if (snapshot.frames > 0) return take_series(snapshot, chapter, run, out);
-  if (snapshot.cells() > 0) return take_sheet(snapshot, chapter, run, out);
+  if (snapshot.cells() > 0) return take_sheet(snapshot, chapter, run, remark, out);
   Progress progress;
   std::vector<Picture> pictures;
   if (snapshot.at.empty()) pictures = chapter.pictures(run);
@@ -171,7 +177,8 @@ void take(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& ru
   for (const Picture& picture : pictures) {
     progress.show(0.5 + 0.5 * done++ / static_cast<double>(pictures.size()), picture.name);
     const std::filesystem::path path = out / (picture.name + ".png");
-    const std::string caption = write(path, snapshot.page, picture.draw);
+    const std::string caption =
+        write(path, snapshot.page, picture.draw, snapshot.at.empty() ? remark : "");
     progress.clear();
     print(path);
     fmt::print("  {}\n", caption);

@@ -19,12 +19,16 @@ struct Snapshot {
   double interval() const { return 1.0 / fps.value_or(25.0); }  ///< of a series [s]
   int cells() const { return sheet_columns * sheet_rows; }
 
+  /// Up to when the scene is simulated [s].
+  double end(const RunOptions& run) const;
+
   /// Throws UsageError where options do not go together or ask for too many steps.
   void check(const RunOptions& run, double most_steps) const;
 };
 
-/// Writes the pictures into the folder and prints their names.
+/// Writes the pictures into the folder and prints their names. The lesson's say the remark in their
+/// captions; the others judge for themselves how far they have come.
 void take(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& run,
-          const std::filesystem::path& out);
+          const std::string& remark, const std::filesystem::path& out);
 
 }  // namespace program

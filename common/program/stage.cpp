@@ -37,6 +37,7 @@ void Stage::begin(const draw::View& view) {
 }
 
 void Stage::count_from_here() {
+  since_count_ = 0;
   for (Watched& watched : simulations_) {
     watched.watch.emplace(*watched.simulation);
     watched.balance = watched.simulation->measures().balance();
@@ -62,6 +63,7 @@ void Stage::advance_to(double t) {
 }
 
 void Stage::advance_all(long steps, double h) {
+  since_count_ += steps;
   try {
     for (Watched& watched : simulations_) {
       watched.simulation->advance(steps, h);
@@ -98,6 +100,14 @@ Stage::Errors Stage::errors_now(std::size_t simulation) const {
   return {spring_ ? std::numeric_limits<double>::quiet_NaN()
                   : std::abs(now.balance() - watched.balance),
           now.constraint_error};
+}
+
+measure::Verdict Stage::verdict() const {
+  measure::Verdict verdict;
+  if (spring_ || since_count_ < looks_needed) return verdict;
+  for (const Watched& watched : simulations_)
+    for (const auto& fault : watched.watch->verdict().faults) verdict.faults.push_back(fault);
+  return verdict;
 }
 
 void Stage::show_as(const Stage& other) {
@@ -206,8 +216,15 @@ void Stage::release() {
   count_from_here();
 }
 
+std::string remark(const measure::Verdict& verdict) {
+  return verdict.right() ? "" : fmt::format("Far from right: {}.", verdict.words());
+}
+
 void draw_page(draw::Pen& pen, Stage& stage, const Show& show) {
-  stage.draw(pen, draw::page(pen, stage.title(), stage.caption()), show);
+  std::string caption = stage.caption();
+  if (const auto verdict = stage.verdict(); !verdict.right() && pen.remark().empty())
+    caption += " " + remark(verdict);
+  stage.draw(pen, draw::page(pen, stage.title(), caption), show);
 }
 
 Picture picture_at(std::unique_ptr<Stage> stage, double t) {

@@ -61,6 +61,9 @@ class Stage {
   virtual std::string caption() = 0;
   void draw(draw::Pen& pen, const draw::Rect& area, const Show& show);
 
+  /// What of the motion so far is far from right; nothing while a spring pulls.
+  measure::Verdict verdict() const;
+
   /// Shows as much as another stage of the same scene, and its forces in the same scale.
   void show_as(const Stage& other);
 
@@ -136,14 +139,18 @@ class Stage {
   };
 
   void count_from_here();
+  /// Before so many steps there is no verdict: from rest, the energy error of a method of first
+  /// order is one part in n of the kinetic energy after n steps.
+  static constexpr long looks_needed = 200;
   /// Steps of one length, then a look at what became of it.
   void advance_all(long steps, double h);
   void remember();
   void draw_spring(draw::Pen& pen) const;
 
   RunOptions run_;
-  long stride_;          ///< steps between two samples
-  long until_next_ = 0;  ///< steps to the next of them
+  long stride_;           ///< steps between two samples
+  long until_next_ = 0;   ///< steps to the next of them
+  long since_count_ = 0;  ///< steps since the energy error is counted
   std::vector<Watched> simulations_;
   std::vector<std::string> names_;
   std::deque<Sample> samples_;
@@ -153,6 +160,9 @@ class Stage {
   std::optional<Spring> spring_;
   bool undisturbed_ = true;
 };
+
+/// What a caption says of a run that is far from right; nothing of one that is not.
+std::string remark(const measure::Verdict& verdict);
 
 /// The stage as it is, on a page of its own.
 void draw_page(draw::Pen& pen, Stage& stage, const Show& show = {});

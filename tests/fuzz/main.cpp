@@ -202,11 +202,11 @@ std::string check_message(const Result& result) {
   std::vector<std::string> lines;
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   if (!result.err.empty() && !result.err.ends_with('\n')) return "half a line on standard error";
-  const bool warned = !lines.empty() && lines[0].starts_with("warning: ");
-  if (warned && result.status != 2) lines.erase(lines.begin());
+  const auto warnings =
+      std::erase_if(lines, [](const std::string& line) { return line.starts_with("warning: "); });
   if (lines.size() != (result.status == 0 ? 0 : 1))
-    return fmt::format("{} lines on standard error", lines.size());
-  return result.status == 2 && warned ? "a warning in place of a reason" : "";
+    return fmt::format("{} lines on standard error beside warnings", lines.size());
+  return result.status == 2 && warnings > 0 ? "a warning beside a refusal" : "";
 }
 
 /// Looks at the files in the current folder, and clears it.
