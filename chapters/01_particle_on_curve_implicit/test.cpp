@@ -13,14 +13,11 @@
 #include "measure/ladder.hpp"
 #include "orders.hpp"
 #include "parabola/implicit_bead.hpp"
+#include "picture_check.hpp"
+#include "pictures.hpp"
 #include "stability.hpp"
 #include "stability_check.hpp"
 #include "turned_off.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "picture_check.hpp"
-#include "pictures.hpp"
-#endif
 
 using Eigen::Vector2d;
 using measure::Method;
@@ -372,8 +369,6 @@ TEST_CASE("a step allocates nothing") {
   }
 }
 
-#ifdef TUTORIAL_PICTURES
-
 namespace {
 
 const program::RunOptions defaults{.duration = 20.0, .step = 0.01};
@@ -418,8 +413,6 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
                      program::picture_at(particle_on_curve::stage(scene, run), 0.5).draw));
   }
 }
-
-#endif
 
 TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
   check_stability(particle_on_curve::stability());

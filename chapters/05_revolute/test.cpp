@@ -10,16 +10,13 @@
 #include "exact.hpp"
 #include "measure/ladder.hpp"
 #include "orders.hpp"
+#include "picture_check.hpp"
+#include "pictures.hpp"
 #include "program/options.hpp"
 #include "scene.hpp"
 #include "stability.hpp"
 #include "stability_check.hpp"
 #include "turned_off.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "picture_check.hpp"
-#include "pictures.hpp"
-#endif
 
 using dynamics::Body;
 using dynamics::System;
@@ -476,8 +473,6 @@ TEST_CASE("solution 3: the largest step that a chain allows shrinks as 1/N") {
   }
 }
 
-#ifdef TUTORIAL_PICTURES
-
 namespace {
 const program::RunOptions defaults{.duration = 5.0, .step = 0.005};
 }
@@ -512,8 +507,6 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
                      program::picture_at(revolute::stage(scene, run), 50 * run.step).draw));
   }
 }
-
-#endif
 
 TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
   check_stability(revolute::stability());

@@ -8,15 +8,12 @@
 #include "exact.hpp"
 #include "measure/ladder.hpp"
 #include "orders.hpp"
+#include "picture_check.hpp"
+#include "pictures.hpp"
 #include "scene.hpp"
 #include "stability.hpp"
 #include "stability_check.hpp"
 #include "turned_off.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "picture_check.hpp"
-#include "pictures.hpp"
-#endif
 
 using dynamics::Body;
 using measure::Method;
@@ -313,8 +310,6 @@ TEST_CASE("solution 2: held at r0 the block needs a force of m ω² r0 inwards, 
     CHECK(held.row().reactions[i] == Approx(0.0).margin(1e-8));
 }
 
-#ifdef TUTORIAL_PICTURES
-
 namespace {
 const program::RunOptions defaults{.duration = 2.0, .step = 0.002};
 }
@@ -343,8 +338,6 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
                                program::picture_at(prismatic::stage(scene, run), 0.005).draw));
   }
 }
-
-#endif
 
 TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
   check_stability(prismatic::stability());
