@@ -114,6 +114,18 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("pictures have no shape of Dear ImGui's own, whose edges differ between processors") {
+  const std::regex shape("(->|\\.)(Add|Path)(?!Text\\b|FontFrom)\\w+\\(");
+  for (const fs::path& file : sources("common/draw")) {
+    INFO(file);
+    std::ifstream stream(file);
+    for (std::string line; std::getline(stream, line);) {
+      INFO(line);
+      CHECK_FALSE(std::regex_search(line, shape));
+    }
+  }
+}
+
 TEST_CASE("the top level holds what the plan names and nothing else") {
   const std::set<std::string> allowed{"README.md", "CMakeLists.txt", "CMakePresets.json",
                                       "tutorial",  "chapters",       "common",
