@@ -318,14 +318,6 @@ TEST_CASE("the pictures of the lesson are those that the program draws") {
   picture_check::compare_all("06_prismatic", prismatic::pictures({}, defaults));
 }
 
-TEST_CASE("the comparison of pictures sees a block that has moved") {
-  const auto render = [](double t) {
-    return draw::render({}, program::picture_at(prismatic::stage({}, defaults), t).draw);
-  };
-  CHECK(picture_check::alike(render(0.4), render(0.4)));
-  CHECK_FALSE(picture_check::alike(render(0.4), render(0.42)));
-}
-
 TEST_CASE("pictures can be drawn of every scene the options allow") {
   for (const Scene& scene :
        {Scene{.incline = 90.0}, Scene{.incline = -90.0}, Scene{.incline = 0.0}, Scene{.mass = 1e12},
