@@ -15,15 +15,10 @@
 #include "program/advice.hpp"
 #include "program/chapter.hpp"
 #include "program/files.hpp"
+#include "program/live.hpp"
 #include "program/progress.hpp"
 #include "program/report.hpp"
-
-#ifdef TUTORIAL_PICTURES
 #include "program/snapshot.hpp"
-#endif
-#ifdef TUTORIAL_WINDOW
-#include "program/live.hpp"
-#endif
 
 namespace program {
 namespace {
@@ -49,9 +44,7 @@ struct Request {
   std::optional<double> ks, kd, tolerance;
   bool strict = false;
   std::string out = ".";
-#ifdef TUTORIAL_PICTURES
   Snapshot snapshot;
-#endif
 };
 
 /// The unit as --help shows it; in ASCII, since CLI11 aligns its columns by bytes.
@@ -169,7 +162,6 @@ void add_out(CLI::App& app, Request& request) {
       ->group("Output");
 }
 
-#ifdef TUTORIAL_PICTURES
 /// "4x3": two whole numbers, which an error calls by their names.
 std::pair<int, int> sides(const std::string& option, const std::string& text,
                           const std::array<std::string, 2>& names, Range width, Range height) {
@@ -247,7 +239,6 @@ void add_page(CLI::App& app, Request& request) {
       ->type_name("COLSxROWS")
       ->group("Output");
 }
-#endif
 
 /// What was asked for, made whole: the gains that go together, and the limits that hold between
 /// options.
@@ -539,11 +530,9 @@ void report_command(const Chapter& chapter, const Request& request) {
     fmt::print("{}\n", path.string());
   };
   write(out / "error_vs_time.csv", csv(report));
-#ifdef TUTORIAL_PICTURES
   // Drawn from the file, digit for digit, as whoever draws it later will.
   const Picture picture = error_picture(read_csv(out / "error_vs_time.csv"));
   write(out / "error_vs_time.png", draw::encode_png(draw::render({}, picture.draw)));
-#endif
   if (chapter.also_report) chapter.also_report(out);
 }
 
@@ -613,13 +602,11 @@ void stability_command(const Chapter& chapter, const Request& request) {
   write(out / "stability.csv", csv(verdicts));
   write(out / "stability_map.csv", csv(maps));
   if (!curves.empty()) write(out / "long_run.csv", csv(curves));
-#ifdef TUTORIAL_PICTURES
   const auto draw_picture = [&](const Picture& picture) {
     write(out / (picture.name + ".png"), draw::encode_png(draw::render({}, picture.draw)));
   };
   draw_picture(map_picture(maps, stability.map_remark));
   if (!curves.empty()) draw_picture(long_run_picture(curves, stability.long_run.step));
-#endif
   const auto unexpected = std::count_if(verdicts.begin(), verdicts.end(),
                                         [](const Verdict& v) { return !v.as_expected; });
   if (unexpected > 0)
@@ -630,7 +617,6 @@ void stability_command(const Chapter& chapter, const Request& request) {
 // -----------------------------------------------------------------------------------------
 // snapshot
 
-#ifdef TUTORIAL_PICTURES
 void snapshot_command(const Chapter& chapter, const Request& request) {
   request.snapshot.check(request.run, most_steps);
   prepare_folder(request.out);
@@ -643,7 +629,6 @@ void snapshot_command(const Chapter& chapter, const Request& request) {
               }).verdict;
   take(request.snapshot, chapter, request.run, remark(verdict), request.out);
 }
-#endif
 
 /// "--force-x -5" reads as an option and an option; joined as "--force-x=-5" it reads as meant.
 std::vector<std::string> join_negative_numbers(int argc, char** argv) {
@@ -711,7 +696,6 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
     run_command(chapter, request);
   });
 
-#ifdef TUTORIAL_PICTURES
   if (chapter.pictures) {
     CLI::App* snapshot = app.add_subcommand("snapshot", "PNG pictures of the scene");
     add_scene(*snapshot, chapter);
@@ -725,11 +709,9 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
       snapshot_command(chapter, request);
     });
   }
-#endif
 
-#ifdef TUTORIAL_WINDOW
   bool controls = false;
-  if (chapter.stage) {
+  if (live != nullptr && chapter.stage) {
     CLI::App* window = app.add_subcommand(
         "live",
         "the scene in a window: space runs and pauses, right arrow or s takes a step, r goes back");
@@ -744,15 +726,9 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
       live(chapter, request.run, controls);
     });
   }
-#endif
 
   CLI::App* report = app.add_subcommand(
-      "report",
-#ifdef TUTORIAL_PICTURES
-      "error against run time: a table, error_vs_time.csv and error_vs_time.png");
-#else
-      "error against run time: a table and error_vs_time.csv (built without pictures)");
-#endif
+      "report", "error against run time: a table, error_vs_time.csv and error_vs_time.png");
   add_scene(*report, chapter);
   add_method(*report, chapter, ladder_request);
   add_tolerance(*report, ladder_request);
