@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "measure/clock.hpp"
 
 namespace fs = std::filesystem;
 
@@ -112,6 +113,7 @@ TEST_CASE("a run says what its scene uses and what was left out, as counted by h
     INFO(out);
     CHECK(holds(out, "\nuses: " + uses[i]));
     CHECK(holds(out, " ns a step\n"));
+    CHECK(holds(out, "\nbuilt without optimisation") == !measure::optimised);
   }
   const std::string crank = program(names.back()) + " run ";
   CHECK(holds(shell(crank).out, "\nleft out: the frame, feedback, projection\n"));
