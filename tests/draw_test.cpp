@@ -104,9 +104,11 @@ TEST_CASE("a drawing that fails leaves the next one alone") {
   CHECK(picture({}).rgba == first.rgba);
 }
 
-TEST_CASE("a page must have a size that OpenGL allows") {
+TEST_CASE("a page must have sides of 1 to 16384 pixels") {
   const auto nothing = [](Pen&) {};
-  CHECK_THROWS_AS(render({.width = 1'000'000, .height = 10}, nothing), std::invalid_argument);
+  CHECK_THROWS_AS(render({.width = 16385, .height = 10, .scale = 1}, nothing),
+                  std::invalid_argument);
+  CHECK(render({.width = 16384, .height = 10, .scale = 1}, nothing).width == 16384);
   CHECK_THROWS_AS(render({.width = 10, .height = 0}, nothing), std::invalid_argument);
   CHECK_THROWS_AS(render({.scale = std::nan("")}, nothing), std::invalid_argument);
 }

@@ -14,9 +14,9 @@ struct Page {
   Theme theme = draw::theme("light");
 };
 
-/// What `draw` puts on the page, rendered without display or GPU; the same bytes on every run.
-/// Throws std::runtime_error when EGL or OpenGL cannot start, std::invalid_argument when the size
-/// is not positive or larger than OpenGL allows. Call it from one thread at a time.
+/// What `draw` puts on the page, filled by the processor alone: the same bytes on every machine.
+/// Throws std::runtime_error when a font is missing, std::invalid_argument when a side has not 1 to
+/// 16384 pixels. Call it from one thread at a time.
 Image render(const Page& page, const std::function<void(Pen&)>& draw);
 
 }  // namespace draw
