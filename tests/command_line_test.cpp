@@ -217,17 +217,13 @@ TEST_CASE("the same run writes the same bytes") {
     for (const char* copy : {"a", "b"}) {
       CHECK(shell(fmt::format("{} run --duration 1 --csv {}{}.csv", program(chapter), base, copy))
                 .status == 0);
-#ifdef TUTORIAL_PICTURES
       CHECK(shell(fmt::format("{} snapshot --at 0.5 --out {}{}", program(chapter), base, copy))
                 .status == 0);
-#endif
     }
     CHECK(slurp(base + "a.csv") == slurp(base + "b.csv"));
     CHECK(slurp(base + "a.csv").size() > 1000);
-#ifdef TUTORIAL_PICTURES
     CHECK(slurp(base + "a/at_0.5s.png") == slurp(base + "b/at_0.5s.png"));
     CHECK(slurp(base + "a/at_0.5s.png").size() > 5000);
-#endif
   }
 }
 
@@ -254,7 +250,6 @@ TEST_CASE("unusable arguments: one line that names them, exit status 2") {
     check_refused(p + "run --csv /dev/full", "--csv /dev/full");
     check_refused(p + "report --out /proc/none", "--out /proc/none");
     check_refused(p + "report --out /dev/null", "--out /dev/null");
-#ifdef TUTORIAL_PICTURES
     check_refused(p + "snapshot --out /proc/none", "--out /proc/none");
     check_refused(p + "snapshot --size 10x10", "--size 10x10");
     check_refused(p + "snapshot --size 960", "--size 960");
@@ -278,7 +273,6 @@ TEST_CASE("unusable arguments: one line that names them, exit status 2") {
     check_refused(p + "snapshot --frames 3 --at 1", "--at 1");
     check_refused(p + "snapshot --sheet 2x1 --at 0,0.1,0.2", "--sheet 2x1");
     check_refused(p + "snapshot --frames 100000 --fps 0.001 --step 0.001", "--frames 100000");
-#endif
   }
   const std::string p = program("01_particle_on_curve_implicit") + " run ";
   for (const char* option : {"--mass", "--p"})
@@ -368,14 +362,10 @@ TEST_CASE("stability writes its table and its map, and says how many cases ended
   CHECK(holds(result.out, "cases, 0 not as expected"));
   CHECK(holds(slurp(folder.path / "stability.csv"), "case;measured;expected;found;as expected"));
   CHECK(split(slurp(folder.path / "stability_map.csv"), '\n').size() == 1 + 5 * 24 * 24);
-#ifdef TUTORIAL_PICTURES
   CHECK(slurp(folder.path / "stability_map.png").size() > 5000);
-#endif
   check_refused(program("04_ground") + " stability --out /proc/none", "--out /proc/none");
   check_refused(program("04_ground") + " stability --step 1", "--step");
 }
-
-#ifdef TUTORIAL_PICTURES
 
 namespace {
 
@@ -457,8 +447,6 @@ TEST_CASE("a series that is interrupted leaves whole pictures and nothing else")
     CHECK(whole_png(folder.path / name));
   }
 }
-
-#endif
 
 #ifdef TUTORIAL_WINDOW
 

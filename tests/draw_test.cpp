@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -220,6 +222,55 @@ TEST_CASE("shapes land where the canvas says, and nowhere else") {
   CHECK_FALSE(same(pixel(image, 175, 100), fill));
   CHECK(same(pixel(image, 105, 145), fill));
   CHECK_FALSE(same(pixel(image, 95, 145), fill));
+}
+
+TEST_CASE("a shape's rim is soft over one pixel, half of it outside") {
+  const Color black{0, 0, 0};
+  const auto box = [&](double shift) {
+    return render(small_page, [&](Pen& pen) {
+      const Point a{100 + shift, 50}, b{120 + shift, 50}, c{120 + shift, 80}, d{100 + shift, 80};
+      pen.polygon(std::array{a, b, c, d}, black);
+    });
+  };
+  const Color paper = theme("light").paper;
+  const Image crisp = box(0), halfway = box(0.5);
+  for (int x = 95; x < 125; ++x) {
+    CHECK(same(pixel(crisp, x, 60), x >= 100 && x < 120 ? black : paper));
+    CHECK(same(pixel(crisp, x, 49), paper));
+    CHECK(same(pixel(halfway, x, 60), x > 100 && x < 120 ? black : paper) ==
+          (x != 100 && x != 120));
+  }
+  for (const int x : {100, 120}) CHECK(std::abs(pixel(halfway, x, 60).g - paper.g / 2) <= 1);
+}
+
+TEST_CASE("shapes and lines cover their area, however they are turned") {
+  const auto area = [](const std::function<void(Pen&)>& draw) {
+    const Image image = render(small_page, draw);
+    double sum = 0;
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4)
+      sum += 1 - double(image.rgba[i]) / theme("light").paper.r;
+    return sum;
+  };
+  const Color black{0, 0, 0};
+  for (double angle = 0; angle < 3.1; angle += 0.3) {
+    INFO(angle);
+    const Point x{std::cos(angle), std::sin(angle)}, y{-x.y, x.x}, middle{160, 100};
+    const auto at = [&](double a, double b) { return middle + a * x + b * y; };
+    const std::array box{at(-30, -10), at(30, -10), at(30, 10), at(-30, 10)};
+    const std::array other_sense{box[3], box[2], box[1], box[0]};
+    const std::array bend{at(-40, 10), at(0, 0), at(40, 10)};
+    // A corner's rim holds up to a quarter of a pixel too much or too little.
+    CHECK(area([&](Pen& pen) { pen.polygon(box, black); }) == Approx(60 * 20).margin(2));
+    CHECK(area([&](Pen& pen) { pen.polygon(other_sense, black); }) == Approx(60 * 20).margin(2));
+    CHECK(area([&](Pen& pen) { pen.polygon(box, transparent, black, 4); }) ==
+          Approx(2 * 4 * (60 + 20)).margin(2));
+    // Both ends are round.
+    CHECK(area([&](Pen& pen) { pen.polyline(bend, black, 5); }) ==
+          Approx(5 * 2 * std::hypot(40, 10) + 2.5 * 2.5 * std::acos(-1.0)).margin(6));
+  }
+  CHECK(area([&](Pen& pen) {
+          pen.circle({100, 100}, 40, black);
+        }) == Approx(40 * 40 * std::acos(-1.0)).epsilon(0.005));
 }
 
 TEST_CASE("long, broken and endless lines are drawn") {

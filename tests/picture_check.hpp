@@ -27,12 +27,13 @@ struct Difference {
 
 Difference difference(const Image& expected, const Image& actual);
 
-/// Machines differ by a few steps of a channel where a shape ends between two pixels. Whatever a
-/// reader would see differs by far more: a bead moved by a pixel by 100 steps and more at its edge.
+/// For a window and a picture: OpenGL's driver fills triangles too, but rounds in its own way, a
+/// few steps of a channel where a shape ends between two pixels. Whatever a reader would see
+/// differs by far more: a bead moved by a pixel by 100 steps and more at its edge.
 bool alike(const Image& expected, const Image& actual);
 
-/// With the picture in the snapshots of a chapter. Where they differ, both and their difference are
-/// written to a folder that the message names.
+/// With the picture in the snapshots of a chapter, pixel for pixel. Where they differ, both and
+/// their difference are written to a folder that the message names.
 void compare(const std::string& chapter, const std::string& name, const Image& actual);
 
 /// All pictures of a chapter at the defaults of its program, and the plot of its committed report.

@@ -5,12 +5,9 @@
 
 #include "exact.hpp"
 #include "parabola/implicit_bead.hpp"
+#include "pictures.hpp"
 #include "program/chapter.hpp"
 #include "stability.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "pictures.hpp"
-#endif
 
 int main(int argc, char** argv) {
   parabola::Scene scene;
@@ -46,13 +43,11 @@ int main(int argc, char** argv) {
 
   chapter.stability = particle_on_curve::stability;
 
-#ifdef TUTORIAL_PICTURES
   chapter.pictures = [&scene](const program::RunOptions& run) {
     return particle_on_curve::pictures(scene, run);
   };
   chapter.stage = [&scene](const program::RunOptions& run) {
     return particle_on_curve::stage(scene, run);
   };
-#endif
   return program::run_chapter(argc, argv, chapter);
 }

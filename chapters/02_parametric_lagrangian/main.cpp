@@ -5,12 +5,9 @@
 
 #include "exact.hpp"
 #include "parametric_bead.hpp"
+#include "pictures.hpp"
 #include "program/chapter.hpp"
 #include "stability.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "pictures.hpp"
-#endif
 
 int main(int argc, char** argv) {
   parabola::Scene scene;
@@ -47,13 +44,11 @@ int main(int argc, char** argv) {
 
   chapter.stability = parametric_lagrangian::stability;
 
-#ifdef TUTORIAL_PICTURES
   chapter.pictures = [&scene](const program::RunOptions& run) {
     return parametric_lagrangian::pictures(scene, run);
   };
   chapter.stage = [&scene](const program::RunOptions& run) {
     return parametric_lagrangian::stage(scene, run);
   };
-#endif
   return program::run_chapter(argc, argv, chapter);
 }

@@ -9,13 +9,10 @@
 #include "orders.hpp"
 #include "parabola/implicit_bead.hpp"
 #include "parametric_bead.hpp"
-#include "stability.hpp"
-#include "stability_check.hpp"
-
-#ifdef TUTORIAL_PICTURES
 #include "picture_check.hpp"
 #include "pictures.hpp"
-#endif
+#include "stability.hpp"
+#include "stability_check.hpp"
 
 using Eigen::Vector2d;
 using measure::Method;
@@ -186,8 +183,6 @@ TEST_CASE("a step allocates nothing") {
   CHECK(allocations() == before);
 }
 
-#ifdef TUTORIAL_PICTURES
-
 namespace {
 const program::RunOptions defaults{.duration = 20.0, .step = 0.01};
 }
@@ -209,8 +204,6 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
                      program::picture_at(parametric_lagrangian::stage(scene, run), 0.5).draw));
   }
 }
-
-#endif
 
 TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
   check_stability(parametric_lagrangian::stability());

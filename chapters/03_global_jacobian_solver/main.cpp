@@ -7,13 +7,10 @@
 //   solver.
 
 #include "exact.hpp"
+#include "pictures.hpp"
 #include "program/chapter.hpp"
 #include "scene.hpp"
 #include "stability.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "pictures.hpp"
-#endif
 
 int main(int argc, char** argv) {
   dumbbell::Scene scene;
@@ -48,11 +45,9 @@ int main(int argc, char** argv) {
 
   chapter.stability = dumbbell::stability;
 
-#ifdef TUTORIAL_PICTURES
   chapter.pictures = [&scene](const program::RunOptions& run) {
     return dumbbell::pictures(scene, run);
   };
   chapter.stage = [&scene](const program::RunOptions& run) { return dumbbell::stage(scene, run); };
-#endif
   return program::run_chapter(argc, argv, chapter);
 }

@@ -12,15 +12,12 @@
 #include "orders.hpp"
 #include "parabola/exact.hpp"
 #include "parabola/implicit_bead.hpp"
+#include "picture_check.hpp"
+#include "pictures.hpp"
 #include "scene.hpp"
 #include "stability.hpp"
 #include "stability_check.hpp"
 #include "turned_off.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "picture_check.hpp"
-#include "pictures.hpp"
-#endif
 
 using dumbbell::Exact;
 using dumbbell::ExactMotion;
@@ -477,8 +474,6 @@ TEST_CASE("a step allocates nothing") {
   }
 }
 
-#ifdef TUTORIAL_PICTURES
-
 namespace {
 const program::RunOptions defaults{.duration = 20.0, .step = 0.01};
 }
@@ -499,8 +494,6 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
                                program::picture_at(dumbbell::stage(scene, run), 0.5).draw));
   }
 }
-
-#endif
 
 TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
   check_stability(dumbbell::stability());

@@ -3,14 +3,11 @@
 
 #include "cost.hpp"
 #include "exact.hpp"
+#include "pictures.hpp"
 #include "program/chapter.hpp"
 #include "program/files.hpp"
 #include "scene.hpp"
 #include "stability.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "pictures.hpp"
-#endif
 
 namespace {
 
@@ -66,9 +63,7 @@ int main(int argc, char** argv) {
 
   chapter.stability = ground::stability;
 
-#ifdef TUTORIAL_PICTURES
   chapter.pictures = [&](const program::RunOptions& run) { return ground::pictures(scene, run); };
   chapter.stage = [&](const program::RunOptions& run) { return ground::stage(scene, run); };
-#endif
   return program::run_chapter(argc, argv, chapter);
 }

@@ -6,14 +6,11 @@
 #include "exact.hpp"
 #include "measure/ladder.hpp"
 #include "orders.hpp"
+#include "picture_check.hpp"
+#include "pictures.hpp"
 #include "scene.hpp"
 #include "stability.hpp"
 #include "stability_check.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "picture_check.hpp"
-#include "pictures.hpp"
-#endif
 
 using ground::decay;
 using ground::make_mechanism;
@@ -200,8 +197,6 @@ TEST_CASE("solution 3: at 0.01 s semi-implicit Euler takes gains up to 6863 1/sÂ
   CHECK(left(1.005 * limit) > 1e3);
 }
 
-#ifdef TUTORIAL_PICTURES
-
 namespace {
 const program::RunOptions defaults{.duration = 5.0, .step = 0.01};
 }
@@ -220,8 +215,6 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
                                program::picture_at(ground::stage(scene, run), 0.2).draw));
   }
 }
-
-#endif
 
 TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
   check_stability(ground::stability());

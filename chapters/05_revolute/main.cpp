@@ -4,17 +4,14 @@
 // which the cost of the global solver can be watched as it grows. See scene.hpp.
 
 #include "cost.hpp"
+#include "draw/image.hpp"
+#include "draw/offscreen.hpp"
 #include "exact.hpp"
+#include "pictures.hpp"
 #include "program/chapter.hpp"
 #include "program/files.hpp"
 #include "scene.hpp"
 #include "stability.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "draw/image.hpp"
-#include "draw/offscreen.hpp"
-#include "pictures.hpp"
-#endif
 
 namespace {
 
@@ -28,11 +25,9 @@ void report_cost(const std::filesystem::path& out) {
   };
   write("cost_vs_links.txt", revolute::table(costs));
   write("cost_vs_links.csv", revolute::csv(costs));
-#ifdef TUTORIAL_PICTURES
   const program::Picture picture =
       revolute::cost_picture(revolute::read_costs(out / "cost_vs_links.csv"));
   write(picture.name + ".png", draw::encode_png(draw::render({}, picture.draw)));
-#endif
 }
 
 }  // namespace
@@ -71,11 +66,9 @@ int main(int argc, char** argv) {
 
   chapter.stability = revolute::stability;
 
-#ifdef TUTORIAL_PICTURES
   chapter.pictures = [&scene](const program::RunOptions& run) {
     return revolute::pictures(scene, run);
   };
   chapter.stage = [&scene](const program::RunOptions& run) { return revolute::stage(scene, run); };
-#endif
   return program::run_chapter(argc, argv, chapter);
 }

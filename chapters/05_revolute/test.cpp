@@ -10,16 +10,13 @@
 #include "exact.hpp"
 #include "measure/ladder.hpp"
 #include "orders.hpp"
+#include "picture_check.hpp"
+#include "pictures.hpp"
 #include "program/options.hpp"
 #include "scene.hpp"
 #include "stability.hpp"
 #include "stability_check.hpp"
 #include "turned_off.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "picture_check.hpp"
-#include "pictures.hpp"
-#endif
 
 using dynamics::Body;
 using dynamics::System;
@@ -476,8 +473,6 @@ TEST_CASE("solution 3: the largest step that a chain allows shrinks as 1/N") {
   }
 }
 
-#ifdef TUTORIAL_PICTURES
-
 namespace {
 const program::RunOptions defaults{.duration = 5.0, .step = 0.005};
 }
@@ -488,14 +483,6 @@ TEST_CASE("the pictures of the lesson are those that the program draws") {
                                           "chapters/05_revolute/snapshots/cost_vs_links.csv");
   picture_check::compare("05_revolute", "cost_vs_links",
                          draw::render({}, revolute::cost_picture(costs).draw));
-}
-
-TEST_CASE("the comparison of pictures sees a rod that has moved") {
-  const auto render = [](const Scene& scene) {
-    return draw::render({}, program::picture_at(revolute::stage(scene, defaults), 0.2).draw);
-  };
-  CHECK(picture_check::alike(render({}), render({})));
-  CHECK_FALSE(picture_check::alike(render({}), render({.angle0 = 0.01})));
 }
 
 TEST_CASE("pictures can be drawn of every scene the options allow") {
@@ -512,8 +499,6 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
                      program::picture_at(revolute::stage(scene, run), 50 * run.step).draw));
   }
 }
-
-#endif
 
 TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
   check_stability(revolute::stability());

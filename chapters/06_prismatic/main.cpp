@@ -6,13 +6,10 @@
 #include <string_view>
 
 #include "exact.hpp"
+#include "pictures.hpp"
 #include "program/chapter.hpp"
 #include "scene.hpp"
 #include "stability.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "pictures.hpp"
-#endif
 
 int main(int argc, char** argv) {
   prismatic::Scene scene;
@@ -51,11 +48,9 @@ int main(int argc, char** argv) {
 
   chapter.stability = prismatic::stability;
 
-#ifdef TUTORIAL_PICTURES
   chapter.pictures = [&scene](const program::RunOptions& run) {
     return prismatic::pictures(scene, run);
   };
   chapter.stage = [&scene](const program::RunOptions& run) { return prismatic::stage(scene, run); };
-#endif
   return program::run_chapter(argc, argv, chapter);
 }

@@ -3,13 +3,10 @@
 // and 6.
 
 #include "exact.hpp"
+#include "pictures.hpp"
 #include "program/chapter.hpp"
 #include "scene.hpp"
 #include "stability.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "pictures.hpp"
-#endif
 
 int main(int argc, char** argv) {
   slider_crank::Scene scene;
@@ -60,13 +57,11 @@ int main(int argc, char** argv) {
 
   chapter.stability = slider_crank::stability;
 
-#ifdef TUTORIAL_PICTURES
   chapter.pictures = [&scene](const program::RunOptions& run) {
     return slider_crank::pictures(scene, run);
   };
   chapter.stage = [&scene](const program::RunOptions& run) {
     return slider_crank::stage(scene, run);
   };
-#endif
   return program::run_chapter(argc, argv, chapter);
 }

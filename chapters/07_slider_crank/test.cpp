@@ -8,15 +8,12 @@
 #include "exact.hpp"
 #include "measure/ladder.hpp"
 #include "orders.hpp"
+#include "picture_check.hpp"
+#include "pictures.hpp"
 #include "scene.hpp"
 #include "stability.hpp"
 #include "stability_check.hpp"
 #include "turned_off.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "picture_check.hpp"
-#include "pictures.hpp"
-#endif
 
 using measure::Method;
 using measure::Stabilization;
@@ -401,8 +398,6 @@ TEST_CASE(
   }
 }
 
-#ifdef TUTORIAL_PICTURES
-
 namespace {
 const program::RunOptions defaults{.duration = 2.0, .step = 0.001};
 }
@@ -422,8 +417,6 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
                                program::picture_at(slider_crank::stage(scene, run), 0.02).draw));
   }
 }
-
-#endif
 
 TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
   check_stability(slider_crank::stability());

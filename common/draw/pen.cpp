@@ -16,10 +16,8 @@ ImVec2 pixels(Point p) { return {static_cast<float>(p.x), static_cast<float>(p.y
 
 std::size_t index(Font font) { return static_cast<std::size_t>(font); }
 
-// Corners of a regular polygon that leaves its circle by no more than a tenth of a pixel.
-std::vector<Point> circle_outline(Point center, double radius, double pixels_per_point) {
-  const double angle = 2 * std::acos(1 - std::min(0.1 / (radius * pixels_per_point), 0.2));
-  const int corners = std::clamp(static_cast<int>(2 * std::numbers::pi / angle), 12, 1000);
+// The corners of a regular polygon.
+std::vector<Point> circle_outline(Point center, double radius, int corners) {
   std::vector<Point> outline;
   for (int i = 0; i < corners; ++i) {
     const double phi = 2 * std::numbers::pi * i / corners;
@@ -28,20 +26,84 @@ std::vector<Point> circle_outline(Point center, double radius, double pixels_per
   return outline;
 }
 
-void fill(ImDrawList* list, std::vector<ImVec2> corners, ImU32 color) {
+// Where each point moves when the edges at it move by 1 to their right (on the page: y is down);
+// not further than 10 at sharp corners. Dear ImGui's own take a square root that differs between
+// processors.
+std::vector<Point> mitres(std::span<const Point> points, bool closed) {
+  const std::size_t n = points.size();
+  std::vector<Point> normals(n), result(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Point edge = points[(i + 1) % n] - points[i];
+    const double l = length(edge);
+    if (l > 0) normals[i] = 1 / l * Point{-edge.y, edge.x};
+  }
+  if (!closed) normals[n - 1] = normals[n - 2];
+  for (std::size_t i = 0; i < n; ++i) {
+    const Point before = normals[closed ? (i + n - 1) % n : std::max<std::size_t>(i, 1) - 1];
+    const Point mean = 0.5 * (before + normals[i]);
+    result[i] = 1 / std::max(mean.x * mean.x + mean.y * mean.y, 0.01) * mean;
+  }
+  return result;
+}
+
+struct Layer {
+  double shift;  // pixels along the mitre
+  ImU32 color;
+};
+
+// Fills between the layers along `points`, with colours that run from each to the next. Returns the
+// number of the first vertex; they come point by point.
+unsigned band(ImDrawList* list, std::span<const Point> points, bool closed,
+              std::span<const Layer> layers) {
+  const std::size_t n = points.size(), strips = closed ? n : n - 1;
+  const auto width = static_cast<unsigned>(layers.size());
+  list->PrimReserve(static_cast<int>(6 * strips * (width - 1)), static_cast<int>(n * width));
+  const unsigned first = list->_VtxCurrentIdx;
+  const std::vector<Point> shifts = mitres(points, closed);
+  for (std::size_t i = 0; i < n; ++i)
+    for (const Layer& layer : layers)
+      list->PrimWriteVtx(pixels(points[i] + layer.shift * shifts[i]),
+                         ImGui::GetFontTexUvWhitePixel(), layer.color);
+  for (std::size_t i = 0; i < strips; ++i)
+    for (unsigned k = 0; k + 1 < width; ++k) {
+      const auto here = first + width * static_cast<unsigned>(i) + k;
+      const auto next = first + width * static_cast<unsigned>((i + 1) % n) + k;
+      for (const unsigned corner : {here, next, next + 1, next + 1, here + 1, here})
+        list->PrimWriteIdx(static_cast<ImDrawIdx>(corner));
+    }
+  return first;
+}
+
+// A convex polygon with a soft rim.
+void fill(ImDrawList* list, std::span<const Point> corners, ImU32 color) {
   double area = 0;
   for (std::size_t i = 0, j = corners.size() - 1; i < corners.size(); j = i++) {
-    area += double{corners[j].x} * corners[i].y - double{corners[i].x} * corners[j].y;
+    area += corners[j].x * corners[i].y - corners[i].x * corners[j].y;
   }
-  // Dear ImGui puts the soft rim on the outside only for this sense of rotation.
-  if (area < 0) std::reverse(corners.begin(), corners.end());
-  list->AddConvexPolyFilled(corners.data(), static_cast<int>(corners.size()), color);
+  const double outwards = area < 0 ? 0.5 : -0.5;
+  const std::array<Layer, 2> rim{{{-outwards, color}, {outwards, color & ~IM_COL32_A_MASK}}};
+  const unsigned first = band(list, corners, true, rim);
+  const auto count = static_cast<unsigned>(corners.size());
+  list->PrimReserve(static_cast<int>(3 * (count - 2)), 0);
+  for (unsigned i = 1; i + 1 < count; ++i)
+    for (const unsigned corner : {0U, i, i + 1})
+      list->PrimWriteIdx(static_cast<ImDrawIdx>(first + 2 * corner));
+}
+
+// A line with soft edges, `thickness` of at least 1 pixel.
+void line_along(ImDrawList* list, std::span<const Point> points, bool closed, double thickness,
+                ImU32 color) {
+  const double inner = (thickness - 1) / 2, outer = (thickness + 1) / 2;
+  const ImU32 none = color & ~IM_COL32_A_MASK;
+  const std::array<Layer, 4> layers{
+      {{-outer, none}, {-inner, color}, {inner, color}, {outer, none}}};
+  band(list, points, closed, layers);
 }
 
 }  // namespace
 
-// Strokes runs of pixels. Dear ImGui pinches a line at a sharp corner and cuts its ends without
-// smoothing, so lines are split at sharp corners and opaque ones get round joints and ends.
+// Strokes runs of pixels. A mitre at a sharp corner would be a thorn, and a line's ends are not
+// soft: so lines are split at sharp corners and opaque ones get round joints and ends.
 class Pen::Stroke {
  public:
   Stroke(ImDrawList* list, Color color, double thickness_pixels, double scale, Dash dash)
@@ -69,15 +131,14 @@ class Pen::Stroke {
 
  private:
   void dot(Point p) {
-    const double radius = thickness_ / 2;
-    list_->AddCircleFilled(pixels(p), static_cast<float>(radius), color_,
-                           std::clamp(static_cast<int>(4 * radius) + 8, 12, 64));
+    const int corners = std::clamp(static_cast<int>(2 * thickness_) + 8, 12, 64);
+    fill(list_, circle_outline(p, thickness_ / 2, corners), color_);
   }
 
   void bar(Point a, Point b) {
     const double l = length(b - a);
     const Point n = thickness_ / 2 / l * Point{a.y - b.y, b.x - a.x};
-    fill(list_, {pixels(a + n), pixels(a - n), pixels(b - n), pixels(b + n)}, color_);
+    fill(list_, std::array{a + n, a - n, b - n, b + n}, color_);
   }
 
   void solid(std::span<const Point> run) {
@@ -92,10 +153,7 @@ class Pen::Stroke {
       if (last == first + 1) {
         bar(run[first], run[last]);
       } else {
-        buffer_.clear();
-        for (std::size_t i = first; i <= last; ++i) buffer_.push_back(pixels(run[i]));
-        list_->AddPolyline(buffer_.data(), static_cast<int>(buffer_.size()), color_, 0,
-                           static_cast<float>(thickness_));
+        line_along(list_, run.subspan(first, last - first + 1), false, thickness_, color_);
       }
       if (round_ && last + 1 < run.size()) dot(run[last]);
       first = last;
@@ -153,7 +211,6 @@ class Pen::Stroke {
   Dash dash_;
   Point last_;
   std::vector<Point> run_;
-  std::vector<ImVec2> buffer_;
 };
 
 Pen::Pen(ImDrawList* list, const Fonts& fonts, const Theme& theme, double width, double height,
@@ -195,25 +252,26 @@ void Pen::polyline(std::span<const Point> points, Color color, double thickness,
 void Pen::polygon(std::span<const Point> corners, Color inside, Color edge, double thickness) {
   if (corners.size() < 3) return;
   Point low = corners[0], high = corners[0];
-  std::vector<ImVec2> outline;
+  std::vector<Point> outline;
   for (const Point& p : corners) {
     if (!finite(p)) return;
     low = {std::min(low.x, p.x), std::min(low.y, p.y)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-    outline.push_back(pixels(scale_ * p));
+    outline.push_back(scale_ * p);
   }
   const Rect page = Rect{0, 0, width_, height_}.inset(-thickness);
   if (!page.overlaps({low.x, low.y, high.x - low.x, high.y - low.y})) return;
   if (inside.a > 0) fill(list_, outline, packed(inside));
-  if (edge.a > 0 && thickness > 0) {
-    list_->AddPolyline(outline.data(), static_cast<int>(outline.size()), packed(edge),
-                       ImDrawFlags_Closed, static_cast<float>(std::max(thickness * scale_, 1.0)));
-  }
+  if (edge.a > 0 && thickness > 0)
+    line_along(list_, outline, true, std::max(thickness * scale_, 1.0), packed(edge));
 }
 
 void Pen::circle(Point center, double radius, Color fill, Color edge, double thickness) {
   if (!(radius > 0) || !std::isfinite(radius)) return;
-  polygon(circle_outline(center, radius, scale_), fill, edge, thickness);
+  // Leaves the circle by no more than a tenth of a pixel.
+  const double angle = 2 * std::acos(1 - std::min(0.1 / (radius * scale_), 0.2));
+  const int corners = std::clamp(static_cast<int>(2 * std::numbers::pi / angle), 12, 1000);
+  polygon(circle_outline(center, radius, corners), fill, edge, thickness);
 }
 
 void Pen::arrow(Point from, Point to, Color color, double thickness) {
@@ -280,8 +338,11 @@ std::vector<std::string> Pen::wrap(std::string_view utf8, Font font, double widt
 }
 
 void Pen::clip(const Rect& area) {
-  list_->PushClipRect(pixels(scale_ * Point{area.left, area.top}),
-                      pixels(scale_ * Point{area.right(), area.bottom()}), true);
+  // Whole pixels, which the window's renderer and the pictures' agree on.
+  const auto whole = [&](double x, double y) {
+    return pixels({std::round(scale_ * x), std::round(scale_ * y)});
+  };
+  list_->PushClipRect(whole(area.left, area.top), whole(area.right(), area.bottom()), true);
 }
 
 void Pen::unclip() { list_->PopClipRect(); }

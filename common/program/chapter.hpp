@@ -9,12 +9,9 @@
 #include "measure/ladder.hpp"
 #include "measure/simulation.hpp"
 #include "program/options.hpp"
-#include "program/stability.hpp"
-
-#ifdef TUTORIAL_PICTURES
 #include "program/pictures.hpp"
+#include "program/stability.hpp"
 #include "program/stage.hpp"
-#endif
 
 namespace program {
 
@@ -50,12 +47,10 @@ struct Chapter {
   /// The stiff and extreme cases of `stability`; empty for a scene that has none, and no command.
   std::function<Stability()> stability;
 
-#ifdef TUTORIAL_PICTURES
   /// The pictures of the lesson; empty for a scene that has none, and no `snapshot`.
   std::function<std::vector<Picture>(const RunOptions&)> pictures;
   /// The scene at its start, ready to move and to be looked at.
   std::function<std::unique_ptr<Stage>(const RunOptions&)> stage;
-#endif
 };
 
 /// The program of a chapter: `run`, `snapshot`, `report`, `stability`. Returns the exit status: 0

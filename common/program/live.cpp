@@ -458,12 +458,14 @@ class Live {
   double stepping_ = 0.0;                  ///< processor time of the steps [s]
 };
 
-}  // namespace
-
-void live(const Chapter& chapter, const RunOptions& run, bool controls) {
+void show(const Chapter& chapter, const RunOptions& run, bool controls) {
   Live scene(chapter, run);
   if (controls) scene.print_controls();
   scene.loop();
 }
+
+}  // namespace
+
+decltype(live) live = show;
 
 }  // namespace program

@@ -16,15 +16,10 @@
 #include "program/advice.hpp"
 #include "program/chapter.hpp"
 #include "program/files.hpp"
+#include "program/live.hpp"
 #include "program/progress.hpp"
 #include "program/report.hpp"
-
-#ifdef TUTORIAL_PICTURES
 #include "program/snapshot.hpp"
-#endif
-#ifdef TUTORIAL_WINDOW
-#include "program/live.hpp"
-#endif
 
 namespace program {
 namespace {
@@ -49,9 +44,7 @@ struct Request {
   std::optional<measure::Stabilization> stabilization;
   std::optional<double> ks, kd, tolerance;
   std::string out = ".";
-#ifdef TUTORIAL_PICTURES
   Snapshot snapshot;
-#endif
 };
 
 /// The unit as --help shows it; in ASCII, since CLI11 aligns its columns by bytes.
@@ -163,7 +156,6 @@ void add_out(CLI::App& app, Request& request) {
       ->group("Output");
 }
 
-#ifdef TUTORIAL_PICTURES
 /// "4x3": two whole numbers, which an error calls by their names.
 std::pair<int, int> sides(const std::string& option, const std::string& text,
                           const std::array<std::string, 2>& names, Range width, Range height) {
@@ -241,7 +233,6 @@ void add_page(CLI::App& app, Request& request) {
       ->type_name("COLSxROWS")
       ->group("Output");
 }
-#endif
 
 /// What was asked for, made whole: the gains that go together, and the limits that hold between
 /// options.
@@ -498,11 +489,9 @@ void report_command(const Chapter& chapter, const Request& request) {
     fmt::print("{}\n", path.string());
   };
   write(out / "error_vs_time.csv", csv(report));
-#ifdef TUTORIAL_PICTURES
   // Drawn from the file, digit for digit, as whoever draws it later will.
   const Picture picture = error_picture(read_csv(out / "error_vs_time.csv"));
   write(out / "error_vs_time.png", draw::encode_png(draw::render({}, picture.draw)));
-#endif
   if (chapter.also_report) chapter.also_report(out);
 }
 
@@ -572,13 +561,11 @@ void stability_command(const Chapter& chapter, const Request& request) {
   write(out / "stability.csv", csv(verdicts));
   write(out / "stability_map.csv", csv(maps));
   if (!curves.empty()) write(out / "long_run.csv", csv(curves));
-#ifdef TUTORIAL_PICTURES
   const auto draw_picture = [&](const Picture& picture) {
     write(out / (picture.name + ".png"), draw::encode_png(draw::render({}, picture.draw)));
   };
   draw_picture(map_picture(maps, stability.map_remark));
   if (!curves.empty()) draw_picture(long_run_picture(curves, stability.long_run.step));
-#endif
   const auto unexpected = std::count_if(verdicts.begin(), verdicts.end(),
                                         [](const Verdict& v) { return !v.as_expected; });
   if (unexpected > 0)
@@ -589,14 +576,12 @@ void stability_command(const Chapter& chapter, const Request& request) {
 // -----------------------------------------------------------------------------------------
 // snapshot
 
-#ifdef TUTORIAL_PICTURES
 void snapshot_command(const Chapter& chapter, const Request& request) {
   request.snapshot.check(request.run, most_steps);
   prepare_folder(request.out);
   warn_of_gains(request.run);
   take(request.snapshot, chapter, request.run, request.out);
 }
-#endif
 
 /// "--force-x -5" reads as an option and an option; joined as "--force-x=-5" it reads as meant.
 std::vector<std::string> join_negative_numbers(int argc, char** argv) {
@@ -663,7 +648,6 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
     run_command(chapter, request);
   });
 
-#ifdef TUTORIAL_PICTURES
   if (chapter.pictures) {
     CLI::App* snapshot = app.add_subcommand("snapshot", "PNG pictures of the scene");
     add_scene(*snapshot, chapter);
@@ -676,11 +660,9 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
       snapshot_command(chapter, request);
     });
   }
-#endif
 
-#ifdef TUTORIAL_WINDOW
   bool controls = false;
-  if (chapter.stage) {
+  if (live != nullptr && chapter.stage) {
     CLI::App* window = app.add_subcommand(
         "live",
         "the scene in a window: space runs and pauses, right arrow or s takes a step, r goes back");
@@ -695,15 +677,9 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
       live(chapter, request.run, controls);
     });
   }
-#endif
 
   CLI::App* report = app.add_subcommand(
-      "report",
-#ifdef TUTORIAL_PICTURES
-      "error against run time: a table, error_vs_time.csv and error_vs_time.png");
-#else
-      "error against run time: a table and error_vs_time.csv (built without pictures)");
-#endif
+      "report", "error against run time: a table, error_vs_time.csv and error_vs_time.png");
   add_scene(*report, chapter);
   add_method(*report, chapter, ladder_request);
   add_tolerance(*report, ladder_request);

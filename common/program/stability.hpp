@@ -6,10 +6,7 @@
 #include <vector>
 
 #include "measure/stability.hpp"
-
-#ifdef TUTORIAL_PICTURES
 #include "program/pictures.hpp"
-#endif
 
 namespace program {
 
@@ -95,9 +92,7 @@ std::string csv(const std::vector<measure::LongCurve>& curves);
 std::vector<Verdict> read_verdicts(const std::filesystem::path& path);
 std::vector<measure::LongCurve> read_curves(const std::filesystem::path& path);
 
-#ifdef TUTORIAL_PICTURES
 Picture map_picture(const std::vector<measure::Map>& maps, const std::string& remark);
 Picture long_run_picture(const std::vector<measure::LongCurve>& curves, double step);
-#endif
 
 }  // namespace program

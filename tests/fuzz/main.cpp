@@ -30,9 +30,8 @@
 
 #include "inputs.hpp"
 
-// A sanitizer that finds something ends in SIGABRT, so that what ran can be said. The software
-// renderer's threads upset the search for leaks at exit.
-extern "C" const char* __asan_default_options() { return "abort_on_error=1:detect_leaks=0"; }
+// A sanitizer that finds something ends in SIGABRT, so that what ran can be said.
+extern "C" const char* __asan_default_options() { return "abort_on_error=1"; }
 extern "C" const char* __ubsan_default_options() { return "abort_on_error=1:print_stacktrace=1"; }
 
 // The chapters' main functions, renamed by the build: main is called as a C function is.

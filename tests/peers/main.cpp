@@ -8,18 +8,15 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "draw/image.hpp"
+#include "draw/offscreen.hpp"
 #include "measure.hpp"
 #include "measure/ladder.hpp"
+#include "pictures.hpp"
 #include "program/files.hpp"
 #include "program/options.hpp"
 #include "program/progress.hpp"
 #include "report.hpp"
-
-#ifdef TUTORIAL_PICTURES
-#include "draw/image.hpp"
-#include "draw/offscreen.hpp"
-#include "pictures.hpp"
-#endif
 
 namespace {
 
@@ -64,11 +61,9 @@ void compare(bool quick, const std::filesystem::path& out) {
       {"chain.csv", csv(report.machine, report.chain, "m")},
       {"slider_crank.txt", slider_crank},
       {"chain.txt", chain}};
-#ifdef TUTORIAL_PICTURES
   files.emplace_back("slider_crank.png",
                      draw::encode_png(draw::render({}, slider_crank_picture(report).draw)));
   files.emplace_back("chain.png", draw::encode_png(draw::render({}, chain_picture(report).draw)));
-#endif
   for (const auto& [name, content] : files) {
     program::write_file(out / name, content);
     fmt::print("{}\n", (out / name).string());
