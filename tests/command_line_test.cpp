@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "catch.hpp"
+#include "measure/clock.hpp"
 
 namespace fs = std::filesystem;
 
@@ -112,6 +113,7 @@ TEST_CASE("a run says what its scene uses and what was left out, as counted by h
     INFO(out);
     CHECK(holds(out, "\nuses: " + uses[i]));
     CHECK(holds(out, " ns a step\n"));
+    CHECK(holds(out, "\nbuilt without optimisation") == !measure::optimised);
   }
   const std::string crank = program(names.back()) + " run ";
   CHECK(holds(shell(crank).out, "\nleft out: the frame, feedback, projection\n"));
@@ -450,8 +452,11 @@ TEST_CASE("a series that is interrupted leaves whole pictures and nothing else")
 
 TEST_CASE("without a display live names what draws without one") {
   for (const std::string& chapter : chapters())
-    check_refused("env -u DISPLAY -u WAYLAND_DISPLAY " + program(chapter) + " live",
-                  chapter + ": live: no display; `snapshot` draws pictures without one", 1);
+    for (const char* names_none : {"-u XDG_RUNTIME_DIR", "XDG_RUNTIME_DIR=none",
+                                   "XDG_RUNTIME_DIR=/none", "-u XDG_RUNTIME_DIR DISPLAY=:9999"})
+      check_refused(
+          fmt::format("env -u DISPLAY -u WAYLAND_DISPLAY {} {} live", names_none, program(chapter)),
+          chapter + ": live: no display; `snapshot` draws pictures without one", 1);
 }
 
 #else

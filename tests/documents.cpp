@@ -22,6 +22,7 @@
 // that the documents show in indented lines, and those of build/bin in the text, are run instead.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <unistd.h>
 

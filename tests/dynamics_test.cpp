@@ -3,7 +3,6 @@
 
 #include <Eigen/Dense>
 #include <chrono>
-#include <random>
 
 #include "allocations.hpp"
 #include "catch.hpp"
@@ -12,6 +11,7 @@
 #include "joints/on_curve.hpp"
 #include "joints/prismatic.hpp"
 #include "joints/revolute.hpp"
+#include "random.hpp"
 
 using namespace dynamics;
 using namespace joints;
@@ -21,7 +21,6 @@ namespace {
 
 const double pi = std::acos(-1.0);
 
-std::mt19937 generator(7);
 double random_number(double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(generator);
 }

@@ -8,6 +8,7 @@
 #include <map>
 #include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -159,4 +160,28 @@ TEST_CASE("chapters 1 and 2 carry no solver, the solver and the integrators noth
       CHECK(symbols.find(part) == std::string::npos);
     }
   }
+}
+
+TEST_CASE("a case that fails is red, whatever its number of failed checks") {
+  std::istringstream lines(output(TUTORIAL_RED " || [ $? = 8 ]"));  // 8: there are red ones
+  int red = 0, green = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find(" #") == std::string::npos) continue;  // not the line of a test
+    INFO(line);
+    const auto says = [&](const char* word) { return line.find(word) != std::string::npos; };
+    if (says("random numbers")) {
+      ++green;
+      CHECK(says(" Passed "));
+    } else {
+      ++red;
+      CHECK((says("***Failed ") || says("***Exception")));
+    }
+  }
+  CHECK(green == 2);
+  CHECK(red >= 22);
+}
+
+TEST_CASE("a case sees the same random numbers alone and after others") {
+  CHECK(output(TUTORIAL_BIN "/test_red '*random numbers'").find("2 test cases") !=
+        std::string::npos);
 }

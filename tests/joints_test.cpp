@@ -1,7 +1,6 @@
 // Each joint alone, between every pair of things that it can join, against finite differences of
 // its own C, against rigid motions of the whole scene, and against Newton's third law.
 #include <Eigen/Dense>
-#include <random>
 
 #include "catch.hpp"
 #include "joints/distance.hpp"
@@ -9,6 +8,7 @@
 #include "joints/on_curve.hpp"
 #include "joints/prismatic.hpp"
 #include "joints/revolute.hpp"
+#include "random.hpp"
 
 using namespace dynamics;
 using namespace joints;
@@ -17,8 +17,6 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 namespace {
-
-std::mt19937 generator(1);
 
 double random_number(double size = 1) {
   return std::uniform_real_distribution<double>(-size, size)(generator);

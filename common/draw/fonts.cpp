@@ -1,6 +1,5 @@
 #include <imgui.h>
 
-#include <cmath>
 #include <filesystem>
 #include <stdexcept>
 
@@ -47,8 +46,7 @@ Fonts load_fonts(double scale) {
     const auto i = static_cast<std::size_t>(font);
     const bool bold = font == Font::bold || font == Font::title;
     fonts[i] = ImGui::GetIO().Fonts->AddFontFromFileTTF(
-        bold ? DRAW_FONT_BOLD : DRAW_FONT, static_cast<float>(std::round(font_heights[i] * scale)),
-        &config, glyph_ranges);
+        bold ? DRAW_FONT_BOLD : DRAW_FONT, font_pixels(i, scale), &config, glyph_ranges);
   }
   return fonts;
 }

@@ -291,15 +291,15 @@ void Pen::arrow(Point from, Point to, Color color, double thickness) {
 
 void Pen::text(Point at, std::string_view utf8, Color color, Font font, Align align, bool halo) {
   if (!finite(at) || utf8.empty()) return;
-  const ImFont* face = fonts_[index(font)];
+  ImFont* face = fonts_[index(font)];
+  const float size = font_pixels(index(font), scale_);
   if (align == Align::center) at.x -= text_width(utf8, font) / 2;
   if (align == Align::right) at.x -= text_width(utf8, font);
   const auto put = [&](Point pixel, Color ink) {
-    list_->AddText(face, face->FontSize, pixels(pixel), packed(ink), utf8.data(),
-                   utf8.data() + utf8.size());
+    list_->AddText(face, size, pixels(pixel), packed(ink), utf8.data(), utf8.data() + utf8.size());
   };
   // Whole pixels keep the glyphs as sharp as they were made.
-  const Point corner{std::round(at.x * scale_), std::round(at.y * scale_ - face->FontSize / 2)};
+  const Point corner{std::round(at.x * scale_), std::round(at.y * scale_ - size / 2)};
   if (halo) {
     const double radius = std::max(2 * scale_, 1.0);
     for (int i = 0; i < 16; ++i) {
@@ -312,9 +312,9 @@ void Pen::text(Point at, std::string_view utf8, Color color, Font font, Align al
 }
 
 double Pen::text_width(std::string_view utf8, Font font) const {
-  const ImFont* face = fonts_[index(font)];
-  return face->CalcTextSizeA(face->FontSize, FLT_MAX, 0, utf8.data(), utf8.data() + utf8.size()).x /
-         scale_;
+  const float size = font_pixels(index(font), scale_);
+  const char *begin = utf8.data(), *end = begin + utf8.size();
+  return fonts_[index(font)]->CalcTextSizeA(size, FLT_MAX, 0, begin, end).x / scale_;
 }
 
 double Pen::line_height(Font font) { return font_heights[index(font)]; }

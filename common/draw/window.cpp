@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -27,6 +28,14 @@ ImVec2 pixels(double x, double y) { return {static_cast<float>(x), static_cast<f
 ImVec4 color(const Color& c) {
   return ImGui::ColorConvertU32ToFloat4(IM_COL32(c.r, c.g, c.b, c.a));
 }
+
+#ifdef GLFW_PLATFORM  // GLFW 3.4 and later, which know Wayland too
+/// Whether there can be a Wayland server; where not, its library says so itself when it is asked.
+bool can_have_wayland() {
+  const auto is_path = [](const char* text) { return text != nullptr && text[0] == '/'; };
+  return is_path(std::getenv("XDG_RUNTIME_DIR")) || is_path(std::getenv("WAYLAND_DISPLAY"));
+}
+#endif
 
 }  // namespace
 
@@ -90,6 +99,9 @@ struct Window::Inside {
 Window::Window(const std::string& title, int width, int height, double panel_width,
                const Theme& theme)
     : inside_(std::make_unique<Inside>(panel_width, theme)) {
+#ifdef GLFW_PLATFORM
+  if (!can_have_wayland()) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
   if (glfwInit() == GLFW_FALSE) throw std::runtime_error("no display");
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);

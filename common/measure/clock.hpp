@@ -12,4 +12,11 @@ inline double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+/// Whether this build is one to measure: optimised, and without assertions.
+#if defined(__OPTIMIZE__) && defined(NDEBUG)
+inline constexpr bool optimised = true;
+#else
+inline constexpr bool optimised = false;
+#endif
+
 }  // namespace measure

@@ -1,5 +1,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -396,6 +397,8 @@ void print_summary(const Chapter& chapter, const RunOptions& run, measure::Simul
                run.method.kd, run.step * std::sqrt(run.method.ks));
   for (const std::string& note : simulation.notes()) fmt::print("{}\n", note);
   print_uses(simulation.uses(), seconds_per_step(chapter, run));
+  if (!measure::optimised)
+    fmt::print("built without optimisation or with assertions: a release build takes less time\n");
   fmt::print("\nstate at the end\n");
   const measure::Columns columns = simulation.columns();
   for (std::size_t i = 0; i < columns.state.size(); ++i)

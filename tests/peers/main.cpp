@@ -2,6 +2,7 @@
 // processor time, in one run on one machine.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
