@@ -43,7 +43,7 @@ case $1 in
     mkdir "$T/building" || touch "$T/not_alone"
     sleep "$(cat "$T/seconds")"
     [ ! -e "$T/errors" ] || { rmdir "$T/building"; seq 1 100000 | sed 's/$/ error/'; exit 2; }
-    for chapter in 01_first 02_second; do
+    for chapter in 01_first 02_second documents; do
       { echo '#!/bin/sh'
         echo 'echo "Title of it: rk4"; echo "error against the exact answer, at the end"; echo "  position  1e-09 m"'
         echo 'echo "  energy error  2e-08 J"; echo "in $PWD: $*"'
@@ -104,6 +104,11 @@ for command in snapshot report stability; do
 done
 for file in pictures/01_first reports/02_second stability/02_second; do expect 0 "scene.png" ls build/$file; done
 [ "$(tree)" = "$before" ] || expect 0 "the tree as it was" tree
+
+# The lessons' own pictures are renewed by those who keep them.
+expect 2 "lessons dance: allowed are" ./tutorial lessons dance
+expect 0 "in $T/home: . build/bin" ./tutorial lessons snapshot stability
+expect 0 "scene.png" ls chapters/01_first/snapshots chapters/02_second/snapshots
 
 # A copied folder is built anew, and what the reader keeps in it stays.
 echo mine >build/trajectory.csv
