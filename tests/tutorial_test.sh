@@ -20,6 +20,7 @@ player dpkg-query <<'SH'
 SH
 player apt-get <<'SH'
 #!/bin/sh
+[ ! -e "$T/gone" ] || { echo "E: Unable to locate package g++"; exit 100; }
 echo "W: Failed to fetch http://deb.debian.org/debian/dists  Temporary failure resolving 'deb.debian.org'"
 case "$*" in *install*) echo "E: Unable to locate package g++"; exit 100 ;; esac
 SH
@@ -145,6 +146,11 @@ expect 1 "as root: apt-get update && apt-get install --no-install-recommends g++
 player id <<<'#!/bin/sh
 echo 0'
 expect 1 "Temporary failure resolving" ./tutorial run 1
+said=$(./tutorial run 1 2>&1 || true)
+case $said in *Unable*) expect 1 "the cause alone" ./tutorial run 1 ;; esac
+
+touch "$T/gone"
+expect 1 "Unable to locate package g++" ./tutorial run 1
 
 [ $faults = 0 ] && echo "all as expected"
 exit $((faults > 0))
