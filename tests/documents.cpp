@@ -319,16 +319,17 @@ std::string passed_on(const std::string& command) {
   return command;
 }
 
-/// Runs a command in a folder of its own, in which build/bin are the programs, for some seconds:
+/// Runs a command in a folder of its own, in which build/bin are the programs, for a second or so:
 /// one that is still at work then is taken to run. What a program refuses is a fault; that a
 /// simulation stops, with its reason, is what some documents show, and a window needs GLFW and a
 /// display.
 bool runs(const std::string& command, const fs::path& folder) {
   program::write_file(folder / "command.sh", command + "\n");
+  const int seconds = command.find("--frames") == std::string::npos ? 1 : 5;  // for a clip of them
   const std::string quiet = fmt::format(
-      "cd '{}' && env -u DISPLAY -u WAYLAND_DISPLAY timeout 2 sh command.sh >output.txt "
+      "cd '{}' && env -u DISPLAY -u WAYLAND_DISPLAY timeout {} sh command.sh >output.txt "
       "2>errors.txt",
-      folder.string());
+      folder.string(), seconds);
   constexpr int timed_out = 124;
   const int status = WEXITSTATUS(std::system(quiet.c_str()));
   if (status == 0 || status == timed_out) return true;
