@@ -8,7 +8,7 @@ trap 'rm -rf "$T"' EXIT
 # A path with nothing on it but what the script may take for granted, and the players.
 bin=$T/bin
 mkdir "$bin"
-for tool in bash sh env awk basename cat chmod cp cut dirname echo find flock grep head id ls mkdir mktemp nproc paste \
+for tool in bash sh env awk cat chmod cp cut dirname echo find flock grep head id ls mkdir mktemp nproc paste \
   ln printf readlink rm rmdir sed seq sleep sort tail tee touch tr xargs; do
   ln -s "$(command -v $tool)" "$bin/$tool"
 done
@@ -16,7 +16,8 @@ player() { cat >"$bin/$1"; chmod +x "$bin/$1"; }
 
 player dpkg-query <<'SH'
 #!/bin/sh
-[ -e "$T/bare" ] || echo installed
+[ ! -e "$T/bare" ] || exit 1
+for package in "$@"; do echo "$package installed"; done
 SH
 player apt-get <<'SH'
 #!/bin/sh
