@@ -1,6 +1,8 @@
 // Keeps what the documents show in step with what the sources say and the programs print.
 //
-//   documents [--check | --commands] SOURCE BIN
+//   documents [--check | --commands] SOURCE BIN [PAGE...]
+//
+// The pages are files in SOURCE; without any, all of README.md, docs and chapters.
 //
 // A comment in a document names where the fenced block after it comes from:
 //
@@ -259,11 +261,11 @@ std::vector<std::string> in_step(const fs::path& source, const fs::path& file,
   return result;
 }
 
-std::vector<fs::path> documents(const fs::path& source) {
-  std::vector<fs::path> files{source / "README.md"};
+std::vector<fs::path> all_documents() {
+  std::vector<fs::path> files{"README.md"};
   for (const char* folder : {"docs", "chapters"})
-    if (fs::exists(source / folder))
-      for (const auto& entry : fs::recursive_directory_iterator(source / folder))
+    if (fs::exists(folder))
+      for (const auto& entry : fs::recursive_directory_iterator(folder))
         if (entry.path().extension() == ".md") files.push_back(entry.path());
   return files;
 }
@@ -295,7 +297,7 @@ std::vector<std::string> commands(const fs::path& file) {
 bool known_to_tutorial(const std::string& command) {
   std::string help;
   for (const std::string& line : output("./tutorial help")) help += line + "\n";
-  std::istringstream words(command.substr(0, command.find('#')));
+  std::istringstream words(command);
   std::string word;
   words >> word >> word;
   bool known = help.find("\n  " + word + " ") != std::string::npos;
@@ -304,32 +306,50 @@ bool known_to_tutorial(const std::string& command) {
   return known;
 }
 
-/// Runs a command in a folder of its own, in which build/bin are the programs, for some seconds:
+/// The call to which `./tutorial` passes on a chapter's options, or what is no such command as it
+/// is.
+std::string passed_on(const std::string& command) {
+  static const std::regex of_chapter(R"re(\./tutorial (\w+) (\d+) (--.*))re");
+  std::smatch match;
+  if (!std::regex_match(command, match, of_chapter)) return command;
+  for (const auto& entry : fs::directory_iterator("chapters")) {
+    const std::string name = entry.path().filename();
+    if (entry.is_directory() && std::stoi(name) == std::stoi(match[2]))
+      return fmt::format("build/bin/{} {} {}", name, match[1].str(), match[3].str());
+  }
+  return command;
+}
+
+/// Runs a command in a folder of its own, in which build/bin are the programs, for a second or so:
 /// one that is still at work then is taken to run. What a program refuses is a fault; that a
-/// simulation stops, with its reason, is what some documents show, and a window needs a display.
+/// simulation stops, with its reason, is what some documents show, and a window needs GLFW and a
+/// display.
 bool runs(const std::string& command, const fs::path& folder) {
   program::write_file(folder / "command.sh", command + "\n");
+  const int seconds = command.find("--frames") == std::string::npos ? 1 : 5;  // for a clip of them
   const std::string quiet = fmt::format(
-      "cd '{}' && env -u DISPLAY -u WAYLAND_DISPLAY timeout 5 sh command.sh >output.txt "
+      "cd '{}' && env -u DISPLAY -u WAYLAND_DISPLAY timeout {} sh command.sh >output.txt "
       "2>errors.txt",
-      folder.string());
+      folder.string(), seconds);
   constexpr int timed_out = 124;
   const int status = WEXITSTATUS(std::system(quiet.c_str()));
   if (status == 0 || status == timed_out) return true;
   const std::vector<std::string> errors = lines_of(folder / "errors.txt");
   return !errors.empty() && (errors.back().find(": stopped at t = ") != std::string::npos ||
-                             errors.back().find(": no display; ") != std::string::npos);
+                             errors.back().find(": no display; ") != std::string::npos ||
+                             errors.back().find(": command live: ") != std::string::npos);
 }
 
 /// Returns the number of faults.
-int check_commands(const fs::path& source, const fs::path& bin) {
+int check_commands(const std::vector<fs::path>& pages, const fs::path& bin) {
   const fs::path folder = fs::temp_directory_path() / fmt::format("documents_{}", getpid());
   fs::create_directories(folder / "build");
   fs::create_directory_symlink(bin, folder / "build" / "bin");
   std::set<std::string> done;
   int faults = 0;
-  for (const fs::path& file : documents(source))
-    for (const std::string& command : commands(file)) {
+  for (const fs::path& file : pages)
+    for (const std::string& shown : commands(file)) {
+      const std::string command = passed_on(shown.substr(0, shown.find(" #")));
       if (!done.insert(command).second) continue;
       bool fine = true;
       if (command.starts_with("./tutorial")) {
@@ -357,21 +377,25 @@ int check_commands(const fs::path& source, const fs::path& bin) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  const std::string mode = argc == 4 ? argv[1] : "";
-  const bool check = mode == "--check";
-  if (argc != 3 && !check && mode != "--commands") {
-    fmt::print(stderr, "usage: documents [--check | --commands] SOURCE BIN\n");
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  const bool check = !arguments.empty() && arguments[0] == "--check";
+  const bool commands = !arguments.empty() && arguments[0] == "--commands";
+  if (check || commands) arguments.erase(arguments.begin());
+  if (arguments.size() < 2 || arguments[0].starts_with('-')) {
+    fmt::print(stderr, "usage: documents [--check | --commands] SOURCE BIN [PAGE...]\n");
     return 2;
   }
-  const fs::path source = ".", bin = fs::absolute(argv[argc - 1]);
-  fs::current_path(argv[argc - 2]);  // commands and names are relative to it
+  const fs::path bin = fs::absolute(arguments[1]);
+  fs::current_path(arguments[0]);  // commands and names are relative to it
   setenv("PATH", (bin.string() + ":" + std::getenv("PATH")).c_str(), 1);
-  if (mode == "--commands") return check_commands(source, bin) == 0 ? 0 : 1;
+  std::vector<fs::path> pages(arguments.begin() + 2, arguments.end());
+  if (pages.empty()) pages = all_documents();
+  if (commands) return check_commands(pages, bin) == 0 ? 0 : 1;
   bool differs = false;
-  for (const fs::path& file : documents(source)) {
+  for (const fs::path& file : pages) {
     std::vector<std::string> complaints;
     const std::vector<std::string> old = lines_of(file);
-    const std::vector<std::string> fresh = in_step(source, file, old, complaints);
+    const std::vector<std::string> fresh = in_step(".", file, old, complaints);
     if (!check && fresh != old)
       program::write_file(file, fmt::format("{}\n", fmt::join(fresh, "\n")));
     for (const std::string& complaint : complaints) fmt::print("{}\n", complaint);

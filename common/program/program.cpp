@@ -633,6 +633,26 @@ void snapshot_command(const Chapter& chapter, const Request& request) {
   take(request.snapshot, chapter, request.run, remark(verdict), request.out);
 }
 
+#ifdef TUTORIAL_WINDOW
+constexpr const char* window_help =
+    R"(Keys: space runs and pauses (the window opens at rest), right arrow or s takes one
+step, r goes back to the start (and runs on, if it ran), Escape closes.
+
+At the right stand the speed, the scene's parameters, the step, the integrator, the
+stabilization and its gains, and what is shown besides the bodies: constraint forces,
+trail, names. What changes loads, masses or the method acts on the motion as it is;
+everything else starts the scene again. A click with the control key lets you type a
+slider's value, and Enter takes it.
+
+Drag a body with the mouse: it follows through a soft, damped spring, whose force
+stands beside the pointer. Below the scene run the energy error and the constraint
+error. The simulated time follows the wall clock, at a speed of 1, whatever the frame
+rate; where it cannot, or where a run diverges, the window says so.
+
+Each action is a line on standard output with its time, and closing adds what a frame
+and a step took. Without a display there is the command snapshot.)";
+#endif
+
 /// "--force-x -5" reads as an option and an option; joined as "--force-x=-5" it reads as meant.
 std::vector<std::string> join_negative_numbers(int argc, char** argv) {
   std::vector<std::string> arguments(argv + 1, argv + argc);
@@ -723,6 +743,7 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
     add_times(*window, request, "step of the integrator");
     window->add_flag("--controls", controls, "prints where each control stands, for scripts")
         ->group("Output");
+    window->footer(window_help);
     window->callback([&] {
       settle(request);
       warn_of_gains(request.run);
