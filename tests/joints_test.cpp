@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 
 #include "catch.hpp"
+#include "dynamics/system.hpp"
 #include "joints/distance.hpp"
 #include "joints/ground.hpp"
 #include "joints/on_curve.hpp"
@@ -304,5 +305,69 @@ TEST_CASE("between two bodies the forces and their moments about the origin sum 
     const auto rows = Revolute{u1, u2}.rows(first, second);
     REQUIRE(rows.C.norm() < 1e-14);
     CHECK(total_wrench(rows, first, second).norm() < 1e-12);
+  }
+}
+
+namespace {
+// The words with which a System refuses a joint of a body or of a particle.
+template <class Joint>
+std::string refusal(const Joint& joint, bool particle = false) {
+  System s;
+  const auto body = s.add_body("body", 1, 1, {1, 2}, 0.3);
+  const auto bead = s.add_particle("bead", 1, {3, 4});
+  try {
+    if constexpr (std::is_same_v<Joint, Prismatic>)
+      s.add("it", joint, System::world, body);
+    else if (particle)
+      s.add("it", joint, bead);
+    else
+      s.add("it", joint, body);
+  } catch (const std::invalid_argument& error) {
+    CHECK(s.rows() == 0);
+    return error.what();
+  }
+  return "";
+}
+}  // namespace
+
+TEST_CASE("a joint that could not hold anything is refused when it is added") {
+  const double nan = std::nan(""), inf = INFINITY;
+  const std::string rows =
+      "it: where its things start, C or J W J^T is not finite, or too small to be computed with";
+  for (const bool particle : {false, true}) {
+    for (const double length : {0.0, -0.0, -1.0, 1e-160, 5e-324, 1e160, inf, -inf, nan})
+      CHECK(refusal(Distance{length}, particle) ==
+            "it: its length must be positive, and its square neither too large nor too small");
+    for (const double length : {1e-150, 1e-3, 1.0, 1e150})
+      CHECK(refusal(Distance{length}, particle) == "");
+    for (const double p : {0.0, -0.0, 1e-160, 1e160, inf, nan})
+      CHECK(refusal(OnCurve<Parabola>{{p}}, particle) ==
+            "it: p must not be 0, and its square neither too large nor too small");
+    CHECK(refusal(OnCurve<Parabola>{{-50}}, particle) == "");
+    CHECK(refusal(OnCurve<Cubic>{}, particle) == "");
+    for (const double bad : {nan, inf, -inf}) {
+      CHECK(refusal(Distance{1, {bad, 0}}, particle) == rows);
+      CHECK(refusal(Distance{1, {0, 0}, {0, bad}}, particle) == rows);
+      CHECK(refusal(Revolute{{0, bad}, {0, 0}}, particle) == rows);
+      CHECK(refusal(Revolute{{0, 0}, {bad, 0}}, particle) == rows);
+      CHECK(refusal(Ground{{bad, 0}}, particle) == rows);
+      CHECK(refusal(OnCurve<Parabola>{{50}, {0, bad}}, particle) == rows);
+    }
+    // 1e-150 m apart, and so heavy that nothing but rounding to 0 is left of J W J^T.
+    System s;
+    const auto a = s.add_particle("a", 1e100, {0, 0}), b = s.add_particle("b", 1e100, {1e-150, 0});
+    CHECK_THROWS_AS(s.add("it", Distance{1e-150}, a, b), std::invalid_argument);
+  }
+  const std::string normal = "it: its normal n_hat must be of length 1";
+  for (const Vector2d& n : {Vector2d(0, 0), Vector2d(0, 2), Vector2d(1, 1), Vector2d(0, 1e-200),
+                            Vector2d(0, nan), Vector2d(inf, 0), Vector2d(0.707, 0.707)})
+    CHECK(refusal(Prismatic{.n_hat = n}) == normal);
+  for (const double angle : {0.0, 0.3, 1.0, 2.0, 4.0})
+    CHECK(refusal(Prismatic{.n_hat = rotation(angle).col(0)}) == "");
+  for (const double bad : {nan, inf, -inf}) {
+    CHECK(refusal(Ground{{0, 0}, bad}) == rows);
+    CHECK(refusal(Prismatic{.theta21 = bad}) == rows);
+    CHECK(refusal(Prismatic{.u1 = {bad, 0}}) == rows);
+    CHECK(refusal(Prismatic{.u2 = {0, bad}}) == rows);
   }
 }

@@ -264,8 +264,8 @@ TEST_CASE("the counts are those of a hand: 4 coordinates, 3 rows, 1 degree of fr
   for (const std::string& name : beads.columns().state)
     CHECK(name.find("theta") == std::string::npos);
   OneBead one{parabola::Scene{}};
-  CHECK(one.mechanism.system.counts().rows == 1);
-  CHECK(one.mechanism.system.counts().coordinates == 2);
+  CHECK(one.mechanism.system.rows() == 1);
+  CHECK(one.mechanism.initial_position().size() == 2);
 }
 
 TEST_CASE("the tables name two beads and three joints") {
@@ -444,11 +444,12 @@ TEST_CASE(
   const joints::OnCurve<joints::Parabola> curve{{scene.p}};
   dynamics::Handle<dynamics::Particle> last;
   for (const double x : {20.0, 60.0, 90.0}) {
-    const auto bead = system.add_particle("bead", 1.0, scene.on_curve(x));
-    system.add("curve", curve, bead);
+    const std::string number = fmt::format("{}", x);
+    const auto bead = system.add_particle("bead" + number, 1.0, scene.on_curve(x));
+    system.add("curve" + number, curve, bead);
     if (last.index >= 0) {
       const double length = (scene.on_curve(x) - system.initial_q().segment<2>(last.column)).norm();
-      system.add("rod", joints::Distance{.length = length}, last, bead);
+      system.add("rod" + number, joints::Distance{.length = length}, last, bead);
     }
     last = bead;
   }

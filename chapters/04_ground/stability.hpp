@@ -75,7 +75,8 @@ inline program::Stability stability() {
       {"held twice: the second joint adds nothing", "place, m", accurate(1e-12),
        [=] {
          program::Mechanism mechanism = make_mechanism({}, rk4);
-         mechanism.system.add("again", joints::Ground{}, dynamics::Handle<dynamics::Body>{0, 0});
+         mechanism.system.add("again", joints::Ground{},
+                              mechanism.system.thing<dynamics::Body>("plate"));
          Motion motion(std::move(mechanism), rk4);
          motion.advance(1000, 0.01);
          motion.row();

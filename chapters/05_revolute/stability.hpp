@@ -44,7 +44,7 @@ inline program::Mechanism make_taut(int N, const measure::Method& method) {
   const Scene scene{.links = static_cast<double>(N), .angle0 = std::numbers::pi / 2};
   program::Mechanism mechanism = make_mechanism(scene, method);
   mechanism.system.add("end_world", joints::Revolute{{scene.l() / 2, 0.0}, {0.0, scene.length}},
-                       dynamics::Handle<dynamics::Body>{N - 1, 3 * (N - 1)},
+                       mechanism.system.thing<dynamics::Body>(fmt::format("rod{}", N)),
                        dynamics::System::world);
   mechanism.assemble();
   return mechanism;
@@ -131,7 +131,8 @@ inline program::Stability stability() {
        [=] {
          program::Mechanism mechanism = make_mechanism({}, projected);
          mechanism.system.add("again", joints::Revolute{{-0.5, 0.0}, {0.0, 0.0}},
-                              dynamics::Handle<dynamics::Body>{0, 0}, dynamics::System::world);
+                              mechanism.system.thing<dynamics::Body>("rod"),
+                              dynamics::System::world);
          Motion motion(std::move(mechanism), projected);
          motion.advance(1000, 0.002);
          const measure::Row row = motion.row();
@@ -151,7 +152,8 @@ inline program::Stability stability() {
        [] {
          program::Mechanism mechanism = make_mechanism({.links = 2});
          mechanism.system.add("end_world", joints::Revolute{{0.25, 0.0}, {3.0, 0.0}},
-                              dynamics::Handle<dynamics::Body>{1, 3}, dynamics::System::world);
+                              mechanism.system.thing<dynamics::Body>("rod2"),
+                              dynamics::System::world);
          mechanism.assemble();
          return 0.0;
        }},

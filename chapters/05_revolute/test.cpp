@@ -427,7 +427,7 @@ TEST_CASE("solution 1: struck at two thirds of its length, the pin feels nothing
     const Scene scene{.length = 1.2, .mass = 2.0, .angle0 = pi / 2, .gravity = 0.0};
     Mechanism rod = make_mechanism(scene);
     const double blow = 5.0, lever = (at - 0.5) * scene.length;  // along −x, below the centre
-    rod.system.apply(dynamics::Handle<Body>{0, 0}, Vector3d(-blow, 0.0, lever * blow));
+    rod.system.apply(rod.system.thing<Body>("rod"), Vector3d(-blow, 0.0, lever * blow));
     measure::Row row;
     rod.observe(0.0, rod.initial_position(), rod.initial_velocity(), row);
     // m L² θ̈/3 = at L · blow about the pin, and m a = −m θ̈ L/2 = pin − blow: so the force of the

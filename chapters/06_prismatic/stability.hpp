@@ -102,7 +102,7 @@ inline program::Stability stability() {
          program::Mechanism mechanism = make_incline(scene, projected);
          mechanism.system.add(
              "again", joints::Prismatic{.n_hat = across(scene.angle()), .theta21 = scene.angle()},
-             dynamics::System::world, dynamics::Handle<dynamics::Body>{0, 0});
+             dynamics::System::world, mechanism.system.thing<dynamics::Body>("block"));
          Motion motion(std::move(mechanism), projected);
          motion.advance(1000, 1e-3);
          const measure::Row row = motion.row();

@@ -284,7 +284,7 @@ TEST_CASE("solution 1: pushed at its lower edge the block feels a moment, and sl
   const double push = 3.0, beta = scene.angle();
   Mechanism block = make_mechanism(scene);
   const Vector2d force = push * along(beta), arm = 0.05 * across(beta);
-  block.system.apply(dynamics::Handle<Body>{0, 0},
+  block.system.apply(block.system.thing<Body>("block"),
                      Vector3d(force.x(), force.y(), arm.x() * force.y() - arm.y() * force.x()));
   measure::Row row;
   block.observe(0.0, block.initial_position(), block.initial_velocity(), row);
@@ -298,7 +298,7 @@ TEST_CASE("solution 1: pushed at its lower edge the block feels a moment, and sl
 TEST_CASE("solution 2: held at r0 the block needs a force of m ω² r0 inwards, and ω stays") {
   const Scene scene{.mass = 2.0, .spin = 5.0};
   Mechanism spin = make_mechanism(scene);
-  spin.system.apply(dynamics::Handle<Body>{1, 3}, [&](double, const Body& block) {
+  spin.system.apply(spin.system.thing<Body>("block"), [&](double, const Body& block) {
     const Vector2d pull = -scene.mass * block.omega * block.omega * block.x;
     return Vector3d(pull.x(), pull.y(), 0.0);
   });

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 #include <map>
+#include <string_view>
 
 namespace dynamics {
 namespace {
@@ -14,8 +15,21 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", x);
+  return text;
+}
+
 double largest(const VectorXd& x) {
   return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+}
+
+// 0, or NaN where an entry is not finite: to be added to what must not hide that.
+double nan_of(const VectorXd& x) {
+  double sum = 0;
+  for (const double entry : x) sum += 0 * entry;
+  return sum;
 }
 
 void append(VectorXd& x, const VectorXd& tail) {
@@ -30,8 +44,9 @@ void append(VectorXd& x, const VectorXd& tail) {
 Handle<Particle> System::add_particle(const std::string& name, double mass, const Vector2d& x,
                                       const Vector2d& v) {
   auto& slots = things_.particles.slots;
-  const Handle<Particle> handle{static_cast<int>(slots.size()), static_cast<int>(q0_.size())};
-  add_thing(name, Vector2d(mass, mass), x, v);
+  const Handle<Particle> handle{static_cast<int>(slots.size()), static_cast<int>(q0_.size()),
+                                identity_.number};
+  add_thing(name, handle.index, Vector2d(mass, mass), x, v);
   slots.push_back({{x, v}, handle.column});
   return handle;
 }
@@ -39,18 +54,26 @@ Handle<Particle> System::add_particle(const std::string& name, double mass, cons
 Handle<Body> System::add_body(const std::string& name, double mass, double inertia,
                               const Vector2d& x, double theta, const Vector2d& v, double omega) {
   auto& slots = things_.bodies.slots;
-  const Handle<Body> handle{static_cast<int>(slots.size()), static_cast<int>(q0_.size())};
-  add_thing(name, Vector3d(mass, mass, inertia), Vector3d(x.x(), x.y(), theta),
+  const Handle<Body> handle{static_cast<int>(slots.size()), static_cast<int>(q0_.size()),
+                            identity_.number};
+  add_thing(name, handle.index, Vector3d(mass, mass, inertia), Vector3d(x.x(), x.y(), theta),
             Vector3d(v.x(), v.y(), omega));
   slots.push_back({{x, v, theta, omega, rotation(theta)}, handle.column});
   return handle;
 }
 
-void System::add_thing(const std::string& name, const VectorXd& mass, const VectorXd& q,
+void System::add_thing(const std::string& name, int index, const VectorXd& mass, const VectorXd& q,
                        const VectorXd& v) {
-  if (!(mass.minCoeff() > 0) || !mass.allFinite())
-    throw std::invalid_argument(name + ": mass and inertia must be positive and finite");
-  thing_info_.push_back({name, static_cast<int>(q0_.size()), static_cast<int>(q.size())});
+  for (const double m : mass)
+    if (!(m > 0) || !std::isnormal(m) || !std::isnormal(1 / m))
+      throw std::invalid_argument(name + ": mass and inertia must be positive and finite, and so " +
+                                  "must be their inverses");
+  if (!q.allFinite() || !v.allFinite())
+    throw std::invalid_argument(name + ": must start at a finite place with a finite velocity");
+  check_load(name, mass[0], gravity_, VectorXd::Zero(q.size()));
+  if (!thing_of_name_.emplace(name, thing_info_.size()).second)
+    throw std::invalid_argument(name + ": another thing has this name");
+  thing_info_.push_back({name, static_cast<int>(q0_.size()), static_cast<int>(q.size()), index});
   append(q0_, q);
   append(v0_, v);
   append(M_, mass);
@@ -63,6 +86,8 @@ JointHandle System::add_joint(const std::string& name, std::unique_ptr<AnyJoint>
                               const char* const* unit, Side first, Side second) {
   if (first.column == second.column)
     throw std::invalid_argument(name + ": joins a thing to itself");
+  if (!joint_names_.insert(name).second)
+    throw std::invalid_argument(name + ": another joint has this name");
   const int joint = static_cast<int>(joints_.size()), row = static_cast<int>(C_.size());
   joints_.push_back({name, std::move(rows), unit, r, row, static_cast<int>(J_.size()), 0});
   for (const Side& side : {first, second}) {
@@ -72,18 +97,78 @@ JointHandle System::add_joint(const std::string& name, std::unique_ptr<AnyJoint>
   }
   C_.conservativeResize(row + r);
   ready_ = false;
-  return {joint};
+  return {joint, identity_.number};
+}
+
+JointHandle System::joint(int number) const {
+  if (number < 0 || number >= static_cast<int>(joints_.size()))
+    throw std::invalid_argument("joint " + std::to_string(number) + ": there is none");
+  return {number, identity_.number};
 }
 
 void System::set_gravity(const Vector2d& g) {
+  if (!g.allFinite()) throw std::invalid_argument("gravity must be finite");
+  for (const auto& [name, column, dof, index] : thing_info_)
+    check_load(name, M_[column], g, constant_.segment(column, dof));
   gravity_ = g;
   ready_ = false;
 }
 
+void System::add_load(int column, const VectorXd& F) {
+  const auto thing = std::find_if(thing_info_.begin(), thing_info_.end(),
+                                  [&](const ThingInfo& info) { return info.column == column; });
+  const VectorXd sum = constant_.segment(column, thing->dof) + F;
+  check_load(thing->name, M_[column], gravity_, sum);
+  constant_.segment(column, thing->dof) = sum;
+  ready_ = false;
+}
+
 void System::set_feedback(double ks, double kd) {
+  if (!std::isfinite(ks) || !std::isfinite(kd))
+    throw std::invalid_argument("the gains ks and kd must be finite");
   ks_ = ks;
   kd_ = kd;
 }
+
+// ---- What is refused ----
+
+void System::check(const char* who, JointHandle handle) const {
+  if (handle.system != identity_.number)
+    throw std::invalid_argument(std::string(who) + ": a handle of another System, or of none");
+}
+
+// The weight and the constant forces of a thing.
+void System::check_load(const std::string& name, double mass, const Vector2d& g,
+                        const VectorXd& F) const {
+  if (!F.allFinite() || !(mass * g + F.head<2>()).allFinite())
+    throw std::invalid_argument(name + ": its weight and constant forces must be finite");
+}
+
+// A row that cannot move anything, where J W J^T underflows, would hold nothing and not say so. One
+// whose J is 0 is another matter: it may start to hold elsewhere.
+void System::check_rows(const std::string& name, const VectorXd& C, const VectorXd& size,
+                        const Eigen::MatrixXd& J, const VectorXd& W) const {
+  const VectorXd K = J.cwiseAbs2() * W;
+  bool usable = C.allFinite() && size.allFinite();
+  for (Eigen::Index k = 0; k < K.size(); ++k)
+    usable = usable && (std::isnormal(K[k]) || (J.row(k).array() == 0).all());
+  if (!usable)
+    throw std::invalid_argument(name + ": where its things start, C or J W J^T is not finite, or " +
+                                "too small to be computed with");
+}
+
+void System::check_lengths(const VectorXd& q, const VectorXd& v) const {
+  if (q.size() != q0_.size() || v.size() != q0_.size())
+    throw std::invalid_argument("q and v must have one entry for each coordinate");
+}
+
+void System::check_solved() const {
+  if (!ready_ || !solved_)
+    throw std::logic_error("asked of the last acceleration(), but there was none, or the joints " +
+                           std::string("were evaluated elsewhere since"));
+}
+
+// ---- One evaluation ----
 
 // Finds which blocks of J meet in which block of K = J W J^T, and gives everything its storage.
 void System::prepare() {
@@ -117,20 +202,17 @@ void System::prepare() {
     F0_.segment<2>(thing.column) += gravity_ * M_[thing.column];
   F_.setZero(q0_.size());
   a_ = q_ = F_;
-  for (VectorXd* x : {&C_, &size_, &per_size_, &per_K_, &b_, &Jv_, &lambda_, &mu_})
+  for (VectorXd* x : {&C_, &size_, &per_size_, &per_root_K_, &b_, &Jv_, &lambda_, &mu_})
     x->setZero(C_.size());
   J_.setZero();
-  factored_ = false;
+  factored_ = solved_ = false;
   ready_ = true;
 }
-
-// ---- One evaluation ----
 
 // The things as they are in state q, v. The only place where sin and cos are taken: once for each
 // angle, since the rate alone often changes.
 void System::load(const VectorXd& q, const VectorXd& v) {
-  if (q.size() != q0_.size() || v.size() != q0_.size())
-    throw std::invalid_argument("q and v must have one entry for each coordinate");
+  check_lengths(q, v);
   for (auto& [particle, column] : things_.particles.slots)
     particle = {q.segment<2>(column), v.segment<2>(column)};
   for (auto& [body, column] : things_.bodies.slots) {
@@ -156,6 +238,7 @@ void System::find_equation() {
 // C, its sizes, J and J v in state q, v.
 void System::evaluate(const VectorXd& q, const VectorXd& v) {
   load(q, v);
+  solved_ = false;
   for (const Joint& joint : joints_) joint.rows->constraint(things_, v, place(joint));
 }
 
@@ -241,15 +324,20 @@ void System::acceleration(double t, const VectorXd& q, const VectorXd& v, Vector
   K_.solve(lambda_);
 
   add_Jt(lambda_, F_);
-  a = W_.cwiseProduct(F_);
+  a = W_.cwiseProduct(F_) + 0 * q + 0 * v;  // NaN where q or v is not finite
+  solved_ = true;
 }
 
 VectorXd System::lambda(JointHandle joint) const {
+  check("lambda", joint);
+  check_solved();
   const Joint& j = joints_[index(joint.index)];
   return lambda_.segment(j.row, j.r);
 }
 
 Vector3d System::reaction(JointHandle joint, int column) const {
+  check("reaction", joint);
+  check_solved();
   Vector3d reaction = Vector3d::Zero();
   for (const JBlock& b : J_blocks_)
     if (b.joint == joint.index && b.column == column)
@@ -263,27 +351,27 @@ Vector3d System::reaction(JointHandle joint, int column) const {
 
 // The largest |x_k| / sqrt(K_kk). The root carries the row's units, so rows of all units compare.
 double System::residual(const VectorXd& x) const {
-  return x.size() == 0 ? 0 : std::sqrt(x.cwiseAbs2().cwiseProduct(per_K_).maxCoeff());
+  return x.size() == 0 ? 0 : x.cwiseProduct(per_root_K_).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
 }
 
-// Takes down 1 / K_kk, the measure of each row; 0 for a row that nothing can move.
+// Takes down 1 / sqrt(K_kk), the measure of each row; 0 for a row that nothing can move.
 void System::find_metric() {
-  for (Eigen::Index k = 0; k < per_K_.size(); ++k)
-    per_K_[k] = 1 / (K_.diagonal()[k] > 0 ? K_.diagonal()[k] : infinity);
+  for (Eigen::Index k = 0; k < per_root_K_.size(); ++k)
+    per_root_K_[k] = 1 / std::sqrt(K_.diagonal()[k] > 0 ? K_.diagonal()[k] : infinity);
 }
 
 // Takes down how large C may be by rounding: about epsilon times the terms that it is the
 // difference of. Where these are 0, say for a wheel at the origin, what a correction of C from
 // `start` leaves there by its own rounding counts instead.
 void System::measure_rounding(double start) {
-  per_size_ = (size_.array().square() + start * start * K_.diagonal().array())
+  per_size_ = (size_.array() + start * K_.diagonal().array().sqrt())
                   .max(std::numeric_limits<double>::min())
                   .inverse();
 }
 
 // The largest |C| in these terms: about epsilon, whatever the units, when C is rounding.
 double System::relative_error() const {
-  return C_.size() == 0 ? 0 : std::sqrt(C_.cwiseAbs2().cwiseProduct(per_size_).maxCoeff());
+  return C_.size() == 0 ? 0 : C_.cwiseProduct(per_size_).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
 }
 
 // x -= W J^T K^-1 error
@@ -343,11 +431,12 @@ Projection System::project(VectorXd& q, VectorXd& v) {
     return {false, steps};
   }
   const bool converged = project_velocities(v);
-  return {converged && error <= 16 * epsilon, steps};
+  return {converged && error <= 16 * epsilon && q.allFinite() && v.allFinite(), steps};
 }
 
 Assembly System::assemble(VectorXd& q, VectorXd& v) {
   prepare();
+  check_lengths(q, v);
   if (!q.allFinite() || !v.allFinite())
     throw AssemblyError("cannot assemble: q and v must be finite");
   constexpr double closed = 64 * epsilon;
@@ -367,7 +456,7 @@ Assembly System::assemble(VectorXd& q, VectorXd& v) {
   double damping = 0;
   for (int step = 0; report.projected && step < 300 && damping < 1e9; ++step) {
     evaluate(best, v);
-    measure_rounding(start);
+    measure_rounding(std::min(start, residual(size_)));
     if (relative_error() <= epsilon) break;
     factor_here(damping);
     find_metric();
@@ -375,7 +464,7 @@ Assembly System::assemble(VectorXd& q, VectorXd& v) {
     trial = best;
     correct(C_, trial);
     evaluate(trial, v);
-    if (C_.cwiseAbs2().dot(per_K_) < C_best.cwiseAbs2().dot(per_K_)) {
+    if (C_.cwiseProduct(per_root_K_).stableNorm() < C_best.cwiseProduct(per_root_K_).stableNorm()) {
       best = trial;
       damping = damping > 1e-6 ? damping / 10 : 0;
     } else {
@@ -384,16 +473,13 @@ Assembly System::assemble(VectorXd& q, VectorXd& v) {
   }
 
   evaluate(best, v);
-  measure_rounding(start);
+  measure_rounding(std::min(start, residual(size_)));
   if (!(relative_error() <= closed) || !C_.allFinite()) {
     Eigen::Index worst = 0;
-    C_.cwiseAbs2().cwiseProduct(per_size_).maxCoeff(&worst);
-    const RowState open = row_state(worst);
-    char by[32];
-    std::snprintf(by, sizeof by, "%.3g", std::abs(open.C));
-    throw AssemblyError("cannot assemble: " + open.row.joint + " row " +
-                        std::to_string(open.row.row) + " (" + open.unit + ") stays open by " + by);
+    C_.cwiseProduct(per_size_).cwiseAbs().maxCoeff(&worst);
+    refuse(worst);
   }
+  check_closed(best);
   report.moved = largest(best - q);
   q = best;
   factor_here();  // at q; velocity_error leaves the factor alone
@@ -401,6 +487,54 @@ Assembly System::assemble(VectorXd& q, VectorXd& v) {
   report.Jv_before = largest(Jv_);
   project_velocities(v);
   return report;
+}
+
+// Throws unless the joints of state q are closed by the scene's own measure too. Rounding, the
+// measure until here, grows with the distance from the origin and with the turns of a body.
+void System::check_closed(const VectorXd& q) const {
+  constexpr double angle_step = 1e-8, widest = 1e-6;
+  // The size of the scene (m): what it spans, a radius of gyration, a lever. A J in m is one too.
+  double size = 0;
+  for (const ThingInfo& a : thing_info_) {
+    const ThingInfo& b = thing_info_.front();
+    size = std::max(size, largest(q.segment<2>(a.column) - q.segment<2>(b.column)));
+    if (a.dof == 2) continue;
+    size = std::max(size, std::sqrt(M_[a.column + 2] / M_[a.column]));
+    if (epsilon * std::abs(q[a.column + 2]) > angle_step)
+      throw AssemblyError("cannot assemble: " + a.name + " is turned by " +
+                          number(q[a.column + 2]) + " rad, too far for its angle to be exact");
+  }
+  VectorXd J_x = VectorXd::Zero(C_.size()), J_theta = J_x;
+  for (const JBlock& block : J_blocks_)
+    for (int k = 0; k < block.r; ++k) {
+      const double* J = J_.data() + block.J + k;
+      double &x = J_x[block.row + k], &theta = J_theta[block.row + k];
+      x = std::max({x, std::abs(J[0]), std::abs(J[block.r])});
+      if (block.dof == 3) theta = std::max(theta, std::abs(J[2 * block.r]));
+    }
+  for (const Joint& joint : joints_)
+    for (int k = 0; k < joint.r; ++k) {
+      const double x = J_x[joint.row + k], lever = J_theta[joint.row + k] / x;
+      if (x > 0) size = std::max({size, lever, std::string_view(joint.unit[k]) == "m^2" ? x : 0});
+    }
+  for (Eigen::Index k = 0; size > 0 && k < C_.size(); ++k)
+    if (std::abs(C_[k]) > widest * std::max(size * J_x[k], J_theta[k])) refuse(k);
+}
+
+// Throws the AssemblyError of a row that stays open. Around a loop of rows that compare angles the
+// gap is shared, so that they have a whole turn between them.
+void System::refuse(Eigen::Index open_row) const {
+  const RowState open = row_state(open_row);
+  double angles = 0;
+  for (const Joint& joint : joints_)
+    for (int k = 0; k < joint.r; ++k)
+      if (std::string_view(joint.unit[k]) == "rad") angles += std::abs(C_[joint.row + k]);
+  const double turns = angles / (2 * std::acos(-1.0));
+  const bool whole = turns > 0.5 && std::abs(turns - std::round(turns)) < 1e-6 * turns;
+  throw AssemblyError("cannot assemble: " + open.row.joint + " row " +
+                      std::to_string(open.row.row) + " (" + open.unit + ") stays open by " +
+                      number(std::abs(open.C)) +
+                      (whole ? "; the angles are whole turns apart, and are not wrapped" : ""));
 }
 
 // ---- What a scene tells about itself ----
@@ -415,26 +549,28 @@ double System::energy(const VectorXd& q, const VectorXd& v) {
     if (V) energy += V(things_[thing]);
   for (const auto& [thing, F, V] : things_.bodies.laws)
     if (V) energy += V(things_[thing]);
-  return energy;
+  return energy + nan_of(q);
 }
 
 double System::kinetic_energy(const ThingInfo& thing, const VectorXd& v) const {
+  check_lengths(v, v);
   const auto part = Eigen::seqN(thing.column, thing.dof);
   return (v(part).array().square() * M_(part).array()).sum() / 2;
 }
 
 double System::kinetic_energy(const VectorXd& v) const {
+  check_lengths(v, v);
   return (v.array().square() * M_.array()).sum() / 2;
 }
 
 double System::drive(double t, const VectorXd& q, const VectorXd& v) {
   find_forces(t, q, v);
-  return std::sqrt((F_.array().square() * W_.array()).sum());
+  return std::sqrt((F_.array().square() * W_.array()).sum()) + nan_of(q) + nan_of(v);
 }
 
 double System::free_acceleration(double t, const VectorXd& q, const VectorXd& v) {
   find_forces(t, q, v);
-  return W_.cwiseProduct(F_).norm();
+  return W_.cwiseProduct(F_).norm() + nan_of(q) + nan_of(v);
 }
 
 double System::distance(const VectorXd& q) {
@@ -443,7 +579,7 @@ double System::distance(const VectorXd& q) {
   factor_here();
   mu_ = C_;
   K_.solve(mu_);
-  return std::sqrt(std::max(0.0, C_.dot(mu_)));
+  return std::sqrt(std::max(C_.dot(mu_), 0.0)) + nan_of(q);  // max keeps a NaN that comes first
 }
 
 double System::radius(const ThingInfo& thing) const {
@@ -476,13 +612,13 @@ double System::opening(const VectorXd& q) {
 double System::constraint_error(const VectorXd& q) {
   prepare();
   evaluate(q, v0_);
-  return largest(C_);
+  return largest(C_) + nan_of(q);
 }
 
 double System::velocity_error(const VectorXd& q, const VectorXd& v) {
   prepare();
   evaluate(q, v);
-  return largest(Jv_);
+  return largest(Jv_) + nan_of(q) + nan_of(v);
 }
 
 Eigen::MatrixXd System::jacobian(const VectorXd& q) {
@@ -492,11 +628,12 @@ Eigen::MatrixXd System::jacobian(const VectorXd& q) {
   for (const JBlock& b : J_blocks_)
     J.block(b.row, b.column, b.r, b.dof) =
         Eigen::Map<const Eigen::MatrixXd>(J_.data() + b.J, b.r, b.dof);
+  J.array() += nan_of(q);
   return J;
 }
 
-Counts System::counts() {
-  prepare();
+Counts System::counts() const {
+  check_solved();
   const auto bytes = [](const auto&... x) { return (... + (sizeof(x[0]) * index(int(x.size())))); };
   const int coordinates = static_cast<int>(q0_.size()), rank = K_.rank();
   return {.things = static_cast<int>(thing_info_.size()),
@@ -507,13 +644,14 @@ Counts System::counts() {
           .jacobian_blocks = static_cast<int>(J_blocks_.size()),
           .factor_blocks = K_.blocks(),
           .state_bytes = bytes(q0_, v0_),
-          .workspace_bytes =
-              bytes(things_.particles.slots, things_.bodies.slots, joints_, J_blocks_, pairs_, M_,
-                    W_, F0_, F_, a_, q_, C_, size_, per_size_, per_K_, b_, Jv_, lambda_, mu_, J_) +
-              K_.bytes()};
+          .workspace_bytes = bytes(things_.particles.slots, things_.bodies.slots, joints_,
+                                   J_blocks_, pairs_, M_, W_, F0_, F_, a_, q_, C_, size_, per_size_,
+                                   per_root_K_, b_, Jv_, lambda_, mu_, J_) +
+                             K_.bytes()};
 }
 
 std::vector<JointRow> System::dependent_rows() const {
+  check_solved();
   std::vector<JointRow> rows;
   for (const Joint& joint : joints_)
     for (int k = 0; k < joint.r; ++k)
@@ -522,6 +660,7 @@ std::vector<JointRow> System::dependent_rows() const {
 }
 
 RowState System::row_state(Eigen::Index row) const {
+  if (joints_.empty()) throw std::logic_error("a scene without joints has no rows");
   const auto joint =
       std::find_if(joints_.rbegin(), joints_.rend(), [&](auto& j) { return j.row <= row; });
   const int k = static_cast<int>(row) - joint->row;
@@ -529,6 +668,7 @@ RowState System::row_state(Eigen::Index row) const {
 }
 
 RowState System::worst_row() const {
+  check_solved();
   Eigen::Index worst = 0;
   double largest = 0;
   for (Eigen::Index row = 0; row < C_.size(); ++row) {
@@ -539,6 +679,7 @@ RowState System::worst_row() const {
 }
 
 RowState System::weakest_row() const {
+  check_solved();
   Eigen::Index weakest = 0;
   for (Eigen::Index row = 1; row < C_.size(); ++row)
     if (K_.independence(row) < K_.independence(weakest)) weakest = row;

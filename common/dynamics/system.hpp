@@ -4,9 +4,12 @@
 //   (J W J^T) lambda = - Jdot_v - J W F - ks C - kd J v,      a = W (F + J^T lambda).
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -21,13 +24,27 @@ namespace dynamics {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// A thing of a System. column: where its coordinates begin in q and v; the world has none.
+/// A thing of a System. column: where its coordinates begin in q and v; the world has none. A
+/// handle comes from its System, knows it, and is refused by all others.
 template <class Thing>
 struct Handle {
-  int index = -1, column = -1;
+  int index = -1, column = -1, system = 0;
 };
 struct JointHandle {
-  int index = 0;
+  int index = -1, system = 0;
+};
+
+/// A number that no other System has, and that goes along when a System is moved.
+struct Identity {
+  static inline std::atomic<int> last = 0;
+  int number = ++last;
+
+  Identity() = default;
+  Identity(Identity&& other) noexcept : number(std::exchange(other.number, ++last)) {}
+  Identity& operator=(Identity&& other) noexcept {
+    number = std::exchange(other.number, ++last);
+    return *this;
+  }
 };
 
 /// An applied force: (fx, fy) in N at the centre of mass and, on a body, the moment in N m.
@@ -137,10 +154,11 @@ struct JointOf final : AnyJoint {
   Handle<Second> second;
 };
 
-/// A thing's name, where its coordinates begin in q and v, and how many they are: 2 or 3.
+/// A thing's name, where its coordinates begin in q and v, how many they are, 2 or 3, and its place
+/// among the things of its kind.
 struct ThingInfo {
   std::string name;
-  int column, dof;
+  int column, dof, index;
 };
 
 /// A row of a joint, counted from 1.
@@ -157,7 +175,7 @@ struct RowState {
   double pivot;  ///< what the rows before it leave of it in the factor: from 1, independent, to 0
 };
 
-/// What the scene holds. rank and degrees_of_freedom are those of the last evaluation.
+/// What the scene holds. rank and degrees_of_freedom are those of the last acceleration().
 struct Counts {
   int things, coordinates, rows, rank, degrees_of_freedom;
   int jacobian_blocks;          ///< blocks of J: one for each thing of each joint but the world
@@ -186,29 +204,62 @@ struct AssemblyError : std::runtime_error {
 
 /// A scene: things, joints between them, and applied forces. Set it up with add and apply; the
 /// first evaluation then fixes its storage, and none of those after it allocates.
-/// Whoever passes a q or v of the wrong length gets std::invalid_argument. NaN in, NaN out: nothing
-/// here crashes or loops on it, but who steps a System must look whether its state is finite.
+/// Whoever passes a q or v of the wrong length, or the handle of another System, gets
+/// std::invalid_argument. A number in q or v that is not finite makes the answer NaN, or those
+/// accelerations that depend on it: nothing here crashes or loops on it, but who steps a System
+/// must look whether its state is finite.
 class System {
  public:
   static constexpr Handle<World> world{};
 
-  /// mass in kg, inertia about the centre of mass in kg m^2, both positive and finite, or
-  /// std::invalid_argument; x (m), theta (rad), v (m/s), omega (rad/s): where it starts.
+  /// mass in kg, inertia about the centre of mass in kg m^2; x (m), theta (rad), v (m/s), omega
+  /// (rad/s): where it starts. std::invalid_argument for a name that another thing has, for a mass
+  /// or inertia that is not positive or whose inverse is out of range, and for what is not finite,
+  /// the weight included.
   Handle<Particle> add_particle(const std::string& name, double mass, const Vector2d& x,
                                 const Vector2d& v = Vector2d::Zero());
   Handle<Body> add_body(const std::string& name, double mass, double inertia, const Vector2d& x,
                         double theta = 0, const Vector2d& v = Vector2d::Zero(), double omega = 0);
 
   /// Joins first to second. Any type is a joint that has rows(first, second), which returns the
-  /// Rows of these two things, and unit, which names the unit of each row of C.
+  /// Rows of these two things, and unit, which names the unit of each row of C. One that also has
+  /// fault() says there what is wrong with its parameters, or nullptr. std::invalid_argument for
+  /// that, for a name that another joint has, and for rows that cannot be computed at the start.
   template <class Joint, class First, class Second = World>
   JointHandle add(const std::string& name, const Joint& joint, Handle<First> first,
                   Handle<Second> second = world) {
     static_assert(First::dof + Second::dof > 0, "a joint needs a thing that can move");
     using Typed = JointOf<Joint, First, Second>;
+    check(name.c_str(), first);
+    check(name.c_str(), second);
+    if constexpr (requires { joint.fault(); })
+      if (const char* fault = joint.fault()) throw std::invalid_argument(name + ": " + fault);
+    const auto rows = joint.rows(at(first, q0_, v0_), at(second, q0_, v0_));
+    Eigen::Matrix<double, Typed::r, First::dof + Second::dof> J;
+    Eigen::Vector<double, First::dof + Second::dof> W;
+    const auto side = [&](const auto& J_thing, int at, int column) {
+      constexpr int dof = std::decay_t<decltype(J_thing)>::ColsAtCompileTime;
+      J.template middleCols<dof>(at) = J_thing;
+      W.template segment<dof>(at) = W_.template segment<dof>(column);
+    };
+    if constexpr (First::dof > 0) side(rows.J1, 0, first.column);
+    if constexpr (Second::dof > 0) side(rows.J2, First::dof, second.column);
+    check_rows(name, rows.C, rows.size, J, W);
     return add_joint(name, std::make_unique<Typed>(joint, first, second), Typed::r,
                      Joint::unit.data(), {first.column, First::dof}, {second.column, Second::dof});
   }
+
+  /// The thing of a name, and the joint that was added after `number` others;
+  /// std::invalid_argument when there is none.
+  template <class Thing>
+  Handle<Thing> thing(const std::string& name) const {
+    const auto found = thing_of_name_.find(name);
+    if (found == thing_of_name_.end() || thing_info_[found->second].dof != Thing::dof)
+      throw std::invalid_argument(name + ": no thing of this kind has that name");
+    const ThingInfo& info = thing_info_[found->second];
+    return {info.index, info.column, identity_.number};
+  }
+  JointHandle joint(int number) const;
 
   /// A uniform field (m/s^2) that acts on everything; its potential counts in energy().
   void set_gravity(const Vector2d& g);
@@ -216,32 +267,36 @@ class System {
   /// A constant force and couple from outside: the work it does shows as a change of energy().
   template <class Thing>
   void apply(Handle<Thing> thing, const std::type_identity_t<Force<Thing>>& F) {
-    constant_.segment<Thing::dof>(thing.column) += F;
-    ready_ = false;
+    check("apply", thing);
+    add_load(thing.column, F);
   }
   /// A force that depends on time and on the thing's own state, with its potential if it has one.
   template <class Thing>
   void apply(Handle<Thing> thing, std::type_identity_t<ForceLaw<Thing>> F,
              std::type_identity_t<Potential<Thing>> V = {}) {
+    check("apply", thing);
     laws(thing).push_back({thing, std::move(F), std::move(V)});
   }
 
-  /// The gains ks (1/s^2) and kd (1/s) of equation 1; a term of gain 0 is left out.
+  /// The gains ks (1/s^2) and kd (1/s) of equation 1, both finite; a term of gain 0 is left out.
   void set_feedback(double ks, double kd);
 
   /// The state that the things were added with.
   const VectorXd& initial_q() const { return q0_; }
   const VectorXd& initial_v() const { return v0_; }
 
-  /// Equation 1: the accelerations a at time t in state q, v.
+  /// Equation 1: the accelerations a at time t in state q, v. a is given its length.
   void acceleration(double t, const VectorXd& q, const VectorXd& v, VectorXd& a);
 
   /// Of the last acceleration(): lambda of a joint's rows, and the joint's part of J^T lambda on
   /// one of its things: (fx, fy) in N and the moment in N m about the centre of mass (0 for a
-  /// particle). They hold until another function evaluates another state.
+  /// particle). Like all that is of the last acceleration(), std::logic_error before the first,
+  /// after a change of the scene, and after project, assemble, distance, constraint_error,
+  /// velocity_error and jacobian, which evaluate the joints elsewhere.
   VectorXd lambda(JointHandle joint) const;
   template <class Thing>
   Vector3d reaction(JointHandle joint, Handle<Thing> thing) const {
+    check("reaction", thing);
     return reaction(joint, thing.column);
   }
 
@@ -251,7 +306,9 @@ class System {
   Projection project(VectorXd& q, VectorXd& v);
 
   /// Closes the joints before the first step, from further away than project() can: q, then v.
-  /// Throws AssemblyError, and leaves q and v as they were, when they cannot be closed.
+  /// Throws AssemblyError, and leaves q and v as they were, when they cannot be closed: to
+  /// rounding, and to a millionth of the scene, which far from the origin or after many turns is
+  /// less.
   Assembly assemble(VectorXd& q, VectorXd& v);
 
   /// Kinetic energy, and potential energy of gravity and of the laws that gave one (J).
@@ -284,17 +341,18 @@ class System {
   const VectorXd& W() const { return W_; }
   /// A thing as it is in state q, v: to find its points, or to draw it.
   template <class Thing>
-  Thing state(Handle<Thing> thing, const VectorXd& q, const VectorXd& v) {
-    load(q, v);
-    return things_[thing];
+  Thing state(Handle<Thing> thing, const VectorXd& q, const VectorXd& v) const {
+    check("state", thing);
+    check_lengths(q, v);
+    return at(thing, q, v);
   }
 
-  Counts counts();
+  Counts counts() const;
   int rows() const { return static_cast<int>(C_.size()); }
-  /// The rows that the last evaluation found to depend on others, and so gave no load.
+  /// The rows that the last acceleration() found to depend on others, and so gave no load.
   std::vector<JointRow> dependent_rows() const;
   /// Of the last acceleration(): the row that is off by most, as the mass metric compares them,
-  /// and the one that is closest to depending on others. Only for a scene with joints.
+  /// and the one that is closest to depending on others. std::logic_error without joints.
   RowState worst_row() const;
   RowState weakest_row() const;
   const std::vector<ThingInfo>& things() const { return thing_info_; }
@@ -319,12 +377,34 @@ class System {
     int r_a, r_b, dof, column, J_a, J_b, K;
   };
 
-  void add_thing(const std::string& name, const VectorXd& mass, const VectorXd& q,
+  void add_thing(const std::string& name, int index, const VectorXd& mass, const VectorXd& q,
                  const VectorXd& v);
   JointHandle add_joint(const std::string& name, std::unique_ptr<AnyJoint> rows, int r,
                         const char* const* unit, Side first, Side second);
+  void add_load(int column, const VectorXd& F);
   auto& laws(Handle<Particle>) { return things_.particles.laws; }
   auto& laws(Handle<Body>) { return things_.bodies.laws; }
+
+  void check(const char* who, JointHandle joint) const;
+  template <class Thing>
+  void check(const char* who, Handle<Thing> thing) const {
+    if constexpr (Thing::dof > 0) check(who, JointHandle{thing.index, thing.system});
+  }
+  void check_load(const std::string& name, double mass, const Vector2d& g, const VectorXd& F) const;
+  void check_rows(const std::string& name, const VectorXd& C, const VectorXd& size,
+                  const Eigen::MatrixXd& J, const VectorXd& W) const;
+  void check_lengths(const VectorXd& q, const VectorXd& v) const;
+  void check_solved() const;
+
+  static World at(Handle<World>, const VectorXd&, const VectorXd&) { return {}; }
+  static Particle at(Handle<Particle> p, const VectorXd& q, const VectorXd& v) {
+    return {q.segment<2>(p.column), v.segment<2>(p.column)};
+  }
+  static Body at(Handle<Body> b, const VectorXd& q, const VectorXd& v) {
+    const double theta = q[b.column + 2];
+    return {q.segment<2>(b.column), v.segment<2>(b.column), theta, v[b.column + 2],
+            rotation(theta)};
+  }
 
   void prepare();
   void evaluate(const VectorXd& q, const VectorXd& v);
@@ -344,11 +424,16 @@ class System {
   void measure_rounding(double start);
   double relative_error() const;
   bool project_velocities(VectorXd& v);
+  void check_closed(const VectorXd& q) const;
+  [[noreturn]] void refuse(Eigen::Index open_row) const;
   Vector3d reaction(JointHandle joint, int column) const;
   RowState row_state(Eigen::Index row) const;
 
+  Identity identity_;
   Things things_;
   std::vector<ThingInfo> thing_info_;
+  std::map<std::string, std::size_t> thing_of_name_;
+  std::set<std::string> joint_names_;
   std::vector<Joint> joints_;
   std::vector<JBlock> J_blocks_;
   std::vector<Pair> pairs_;
@@ -357,10 +442,11 @@ class System {
   Vector2d gravity_ = Vector2d::Zero();
   double ks_ = 0, kd_ = 0;
   bool ready_ = false, factored_ = false;
-  int dof_ = 0;  // of all things; 0 where they differ
+  bool solved_ = false;  // C_, J_, lambda_ and K_ are those of one acceleration()
+  int dof_ = 0;          // of all things; 0 where they differ
 
-  VectorXd q0_, v0_, M_, W_, constant_, F0_, F_, a_, q_;         // one entry a coordinate
-  VectorXd C_, size_, per_size_, per_K_, b_, Jv_, lambda_, mu_;  // one entry a row
+  VectorXd q0_, v0_, M_, W_, constant_, F0_, F_, a_, q_;              // one entry a coordinate
+  VectorXd C_, size_, per_size_, per_root_K_, b_, Jv_, lambda_, mu_;  // one entry a row
   VectorXd J_;  // the blocks of J, one behind the other
 };
 

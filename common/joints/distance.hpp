@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "dynamics/things.hpp"
 
@@ -24,6 +25,12 @@ struct Distance {
   double length;
   Vector2d u1 = Vector2d::Zero();
   Vector2d u2 = Vector2d::Zero();
+
+  const char* fault() const {
+    return length > 0 && std::isnormal(length * length)
+               ? nullptr
+               : "its length must be positive, and its square neither too large nor too small";
+  }
 
   // [rows]
   template <class First, class Second>

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "dynamics/things.hpp"
 
@@ -24,6 +25,10 @@ struct Parabola {
 
   double p;
 
+  const char* fault() const {
+    return std::isnormal(p * p) ? nullptr
+                                : "p must not be 0, and its square neither too large nor too small";
+  }
   double f(const Vector2d& r) const { return r.x() * r.x() + 2 * p * r.y(); }
   Vector2d gradient(const Vector2d& r) const { return {2 * r.x(), 2 * p}; }
   Matrix2d hessian(const Vector2d&) const { return Vector2d(2, 0).asDiagonal(); }
@@ -37,6 +42,13 @@ struct OnCurve {
 
   Curve curve;
   Vector2d u = Vector2d::Zero();
+
+  const char* fault() const {
+    if constexpr (requires { curve.fault(); })
+      return curve.fault();
+    else
+      return nullptr;
+  }
 
   template <class Thing>
   dynamics::Rows<1, Thing, dynamics::World> rows(const Thing& thing, const dynamics::World&) const {

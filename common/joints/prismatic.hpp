@@ -17,6 +17,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "dynamics/things.hpp"
 
@@ -36,6 +37,10 @@ struct Prismatic {
   Vector2d u2 = Vector2d::Zero();
   Vector2d n_hat = Vector2d::UnitY();
   double theta21 = 0;
+
+  const char* fault() const {
+    return std::abs(n_hat.norm() - 1) < 1e-9 ? nullptr : "its normal n_hat must be of length 1";
+  }
 
   // [rows]
   dynamics::Rows<2, Body, Body> rows(const Body& first, const Body& second) const {

@@ -60,13 +60,10 @@ class MechanismStage : public Stage {
     const auto& things = system.things();
     const dynamics::ThingInfo& thing = things[held];
     if (laws_.insert(held).second) {
-      const int index = static_cast<int>(  // counted within its kind
-          std::count_if(things.begin(), things.begin() + static_cast<std::ptrdiff_t>(held),
-                        [&](const auto& other) { return other.dof == thing.dof; }));
       if (thing.dof == 3)
-        apply(dynamics::Handle<dynamics::Body>{index, thing.column}, held);
+        apply(system.thing<dynamics::Body>(thing.name), held);
       else
-        apply(dynamics::Handle<dynamics::Particle>{index, thing.column}, held);
+        apply(system.thing<dynamics::Particle>(thing.name), held);
     }
     const Eigen::VectorXd& W = system.W();
     double all = 0.0, give = W[thing.column];

@@ -95,13 +95,15 @@ TEST_CASE(
     "A02: J loses rank where all links lie in one line, and the motion is that of one angle") {
   const FourBars scene;
   program::Mechanism mechanism = iftomm::make_mechanism(scene);
+  Eigen::VectorXd q = mechanism.initial_position(), v = mechanism.initial_velocity(), a(15);
+  mechanism.system.acceleration(0, q, v, a);
   const auto counts = mechanism.system.counts();
   CHECK(counts.coordinates == 15);
   CHECK(counts.rows == 14);
   CHECK(counts.degrees_of_freedom == 1);
   CHECK(counts.rank == 14);
   // Laid down to the right: uprights at θ = 0, their ends and the tops on y = 0.
-  Eigen::VectorXd q(15), v = Eigen::VectorXd::Zero(15), a(15);
+  v.setZero();
   for (int i = 0; i < 3; ++i) q.segment<3>(3 * i) << i + 0.5, 0, 0;
   for (int i = 0; i < 2; ++i) q.segment<3>(9 + 3 * i) << i + 1.5, 0, 0;
   mechanism.system.acceleration(0, q, v, a);
