@@ -7,6 +7,6 @@ namespace program {
 /// The scene in a window, until it is closed. Says on standard output what was done when; with
 /// `controls`, first of all, where each control stands.
 /// Throws std::runtime_error where there is no display.
-void live(const Chapter& chapter, const RunOptions& run, bool controls);
+void live(const Chapter& chapter, const RunOptions& run, bool step_given, bool controls);
 
 }  // namespace program
