@@ -40,12 +40,12 @@ void sleep_for(double seconds) {
 /// A folder that goes away with the test, and the processes that write there.
 class Session {
  public:
-  Session() {
+  explicit Session(const std::string& screen = "1320x840") {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     // Xvfb looks for a free display by itself and says which.
     start_process(server_, "Xvfb",
-                  {"-displayfd", "1", "-screen", "0", "1320x840x24", "-fbdir", folder_.string(),
+                  {"-displayfd", "1", "-screen", "0", screen + "x24", "-fbdir", folder_.string(),
                    "-nolisten", "tcp"},
                   "display");
     display_ = fmt::format(":{}", first_line(folder_ / "display"));
@@ -92,6 +92,11 @@ class Session {
   }
   void xdotool(const std::string& command) const {
     REQUIRE(std::system(("xdotool " + command + " >/dev/null 2>&1").c_str()) == 0);
+  }
+  std::string answer(const std::string& command) const {
+    const fs::path file = folder_ / "answer";
+    REQUIRE(std::system(("xdotool " + command + " >" + file.string()).c_str()) == 0);
+    return slurp(file);
   }
   /// The mouse where it covers neither the page nor a control.
   void rest() const { xdotool("mousemove 1280 790"); }
@@ -159,7 +164,10 @@ class Session {
   }
 
   /// What `snapshot` draws of the same scene at a time, without a display.
-  draw::Image offscreen(const std::string& time, const std::string& options = "") const {
+  draw::Image offscreen(const std::string& time, std::string options = "") const {
+    // The window starts with projection where there is a constraint.
+    if (chapter_ != "02_parametric_lagrangian" && options.find("--ks") == std::string::npos)
+      options += " --stabilization projection";
     REQUIRE(std::system(fmt::format("env -u DISPLAY {}/{} snapshot --at {} --size {}x{} --scale 1 "
                                     "--out {} {} >/dev/null",
                                     TUTORIAL_BIN, chapter_, time, page_width, page_height,
@@ -388,6 +396,49 @@ TEST_CASE("a scene that takes longer than real time says by how much") {
   CHECK(part > 0.0);
   CHECK(part < 0.96);
   CHECK(session.close() == 0);
+}
+
+TEST_CASE("more links bring a shorter step, unless the reader has chosen one") {
+  Session session;
+  session.open("05_revolute");
+  const auto type = [&](const std::string& control, const std::string& text) {
+    session.control_click(control);
+    session.xdotool("type --delay 60 " + text);
+    sleep_for(0.3);
+    session.xdotool("key Return");
+    session.await(control + " " + text);
+    session.rest();
+    sleep_for(0.5);
+  };
+  type("links", "20");
+  CHECK(alike(session.screenshot(), session.offscreen("0", "--links 20")));
+  CHECK_FALSE(alike(session.screenshot(), session.offscreen("0", "--links 20 --step 0.005")));
+  type("step", "0.001");
+  type("links", "30");
+  CHECK(alike(session.screenshot(), session.offscreen("0", "--links 30 --step 0.001")));
+  CHECK(session.close() == 0);
+}
+
+TEST_CASE("the window opens inside the screen that there is") {
+  for (const auto& [width, height] : {std::pair{1320, 840}, {1024, 700}, {800, 600}}) {
+    INFO(width << "x" << height);
+    Session session(fmt::format("{}x{}", width, height));
+    session.open("07_slider_crank");
+    const std::string where =
+        session.answer("search --name Slider-crank getwindowgeometry --shell");
+    const auto value = [&](const std::string& name) {
+      const std::size_t at = where.find(name + "=");
+      REQUIRE(at != std::string::npos);
+      return std::stoi(where.substr(at + name.size() + 1));
+    };
+    CHECK(value("X") >= 0);
+    CHECK(value("Y") >= 0);
+    CHECK(value("X") + value("WIDTH") <= width);
+    CHECK(value("Y") + value("HEIGHT") <= height);
+    CHECK(value("WIDTH") >= std::min(960, width));
+    CHECK(value("HEIGHT") >= std::min(600, height));
+    CHECK(session.close() == 0);
+  }
 }
 
 TEST_CASE("the mouse drags a rod") {

@@ -1,15 +1,25 @@
 // What shows a scene in motion: the stage, the player that keeps it at real time, the hand's
 // spring.
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <tuple>
+#include <vector>
 
+#include "01_particle_on_curve_implicit/pictures.hpp"
 #include "02_parametric_lagrangian/pictures.hpp"
+#include "03_global_jacobian_solver/pictures.hpp"
+#include "04_ground/pictures.hpp"
+#include "05_revolute/pictures.hpp"
+#include "06_prismatic/pictures.hpp"
 #include "07_slider_crank/pictures.hpp"
 #include "catch.hpp"
 #include "draw/offscreen.hpp"
 #include "joints/revolute.hpp"
 #include "parabola/held_bead.hpp"
+#include "program/chapter.hpp"
 #include "program/mechanism_stage.hpp"
 #include "program/player.hpp"
 
@@ -83,6 +93,105 @@ void take_end(Rod& rod, const Eigen::Vector2d& to) {
 }
 
 }  // namespace
+
+/// Where a colour stands in a picture of a stage, bodies and gaps alone, in points.
+std::vector<draw::Point> places(Stage& stage, const draw::Color& color) {
+  const draw::Image image = draw::render({.scale = 1.0}, [&](draw::Pen& pen) {
+    program::draw_page(pen, stage, {.forces = false, .trail = false});
+  });
+  std::vector<draw::Point> found;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const auto* pixel = &image.rgba[4 * static_cast<std::size_t>(y * image.width + x)];
+      if (pixel[0] == color.r && pixel[1] == color.g && pixel[2] == color.b)
+        found.push_back({static_cast<double>(x), static_cast<double>(y)});
+    }
+  return found;
+}
+
+double extent(const std::vector<draw::Point>& points) {
+  double largest = 0.0;
+  for (const draw::Point& a : points)
+    for (const draw::Point& b : points) largest = std::max(largest, draw::length(a - b));
+  return largest;
+}
+
+const draw::Color warning = draw::theme("light").warning;
+
+TEST_CASE(
+    "a torn crank keeps its rod's length, and its joints are drawn as far apart as they are") {
+  const auto torn = slider_crank::stage({}, crank_run), whole = slider_crank::stage({}, crank_run);
+  torn->advance_to(26.0);
+  REQUIRE(torn->samples().back().errors[0].constraint > 0.3);  // [m]
+  whole->show_as(*torn);
+  torn->show_as(*torn);
+  const draw::Color rod = draw::theme("light").series[0];
+  REQUIRE(places(*whole, rod).size() > 500);
+  CHECK(extent(places(*torn, rod)) == Approx(extent(places(*whole, rod))).margin(3.0));
+  CHECK(places(*whole, warning).empty());
+  CHECK(extent(places(*torn, warning)) > 0.3 / 1.3 * extent(places(*whole, rod)));
+}
+
+TEST_CASE("an open joint of any scene is seen, a closed one shows nothing") {
+  constexpr auto euler = integrators::Name::explicit_euler;
+  using Make = std::function<std::unique_ptr<Stage>(const RunOptions&)>;
+  const std::vector<std::tuple<const char*, Make, RunOptions>> scenes{
+      {"1", [](const RunOptions& run) { return particle_on_curve::stage({}, run); }, {20.0, 0.1}},
+      {"2",
+       [](const RunOptions& run) { return parametric_lagrangian::stage({}, run); },
+       {20.0, 0.1}},
+      {"3", [](const RunOptions& run) { return dumbbell::stage({}, run); }, {20.0, 0.1}},
+      {"5", [](const RunOptions& run) { return revolute::stage({.links = 2}, run); }, {2.0, 0.01}},
+      {"6",
+       [](const RunOptions& run) { return prismatic::stage({.spin = 5.0}, run); },
+       {2.0, 0.02}},
+      {"7", [](const RunOptions& run) { return slider_crank::stage({}, run); }, {2.0, 0.005}},
+      {"7, frame",
+       [](const RunOptions& run) { return slider_crank::stage({.simulate_frame = 1.0}, run); },
+       {2.0, 0.005}}};
+  for (const auto& [name, make, run] : scenes) {
+    INFO("chapter " << name);
+    RunOptions coarse = run;
+    coarse.method.integrator = euler;
+    const auto stage = make(coarse);
+    CHECK(places(*stage, warning).empty());
+    stage->advance_to(0.5 * run.duration);
+    CHECK(places(*stage, warning).size() > 20);
+  }
+  const auto off_its_place = ground::stage({.offset_x = 0.1}, {5.0, 0.01});
+  CHECK(places(*off_its_place, warning).size() > 20);
+  CHECK(places(*ground::stage({}, {5.0, 0.01}), warning).empty());
+}
+
+TEST_CASE("a number on a label is short, whatever it is") {
+  CHECK(program::rounded(9.81) == "9.81");
+  CHECK(program::rounded(0.0) == "0.00");
+  CHECK(program::rounded(-12.345, 1) == "-12.3");
+  CHECK(program::rounded(2262557168192917.5) == "2.26·10¹⁵");
+  CHECK(program::rounded(1.5e-7) == "1.50·10⁻⁷");
+  for (double x = 1e-300; x < 1e300; x *= 7.0) {
+    INFO(x);
+    const std::string text = program::rounded(x);
+    const auto letters = std::count_if(text.begin(), text.end(), [](char byte) {
+      return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;  // each begins with another byte
+    });
+    CHECK(letters <= 11);  // "1.23·10⁻¹⁰⁰"
+    CHECK(std::stod(text) > 0.0);
+  }
+}
+
+TEST_CASE("without --step a scene that turns faster has a shorter one, the default scene its own") {
+  double rate = 1.0;
+  program::Chapter chapter;
+  chapter.defaults = {.duration = 5.0, .step = 0.005};
+  CHECK(program::default_step(chapter, 5.0) == 0.005);
+  chapter.fastest = [&] { return rate; };
+  for (const auto& [turns, step] :
+       {std::pair{0.0, 0.005}, {20.0, 0.005}, {50.0, 0.002}, {1e4, 1e-5}, {1e300, 5e-6}}) {
+    rate = turns;
+    CHECK(program::default_step(chapter, 5.0) == Approx(step).epsilon(1e-12));
+  }
+}
 
 TEST_CASE("a stage shows the same at a time however the way there was cut") {
   const auto at_once = slider_crank::stage({}, crank_run), cut = slider_crank::stage({}, crank_run);

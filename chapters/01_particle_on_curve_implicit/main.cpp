@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   };
   chapter.defaults = {.duration = 20.0, .step = 0.01};
   chapter.constraint_unit = "m²";
+  chapter.fastest = [&scene] { return scene.fastest(); };
 
   chapter.start = [&scene](const measure::Method& method) {
     return std::make_unique<measure::Motion<parabola::ImplicitBead>>(

@@ -53,7 +53,7 @@ void draw_forces(Canvas& canvas, const Scene& scene, const Instant& instant,
   const auto& theme = canvas.theme();
   const auto arrow = [&](const Vector2d& force, draw::Color color, const std::string& name) {
     canvas.arrow(point(instant.x), point(metres_per_newton * force), color,
-                 labelled ? fmt::format("{} {:.2f} N", name, force.norm()) : "");
+                 labelled ? fmt::format("{} {} N", name, program::rounded(force.norm())) : "");
   };
   arrow({0.0, scene.applied_force().y()}, theme.weight, "weight");
   if (scene.force_x != 0.0) arrow({scene.force_x, 0.0}, theme.applied_force, "applied force");
@@ -75,9 +75,9 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
   const double scale = force_scale(scene, instant.constraint_force.norm(), view, 0.28);
   const Vector2d sum = scene.applied_force() + instant.constraint_force;
   const std::string caption = fmt::format(
-      "At rest at x = {:g} m. The forces on the particle add up to {:.2f} N along the curve: it "
+      "At rest at x = {:g} m. The forces on the particle add up to {} N along the curve: it "
       "starts to slide.",
-      scene.x0, sum.norm());
+      scene.x0, program::rounded(sum.norm()));
   return {"scene", [=](draw::Pen& pen) {
             Canvas canvas(pen, draw::page(pen, "A particle on the curve x² + 2py = 0", caption),
                           view);
@@ -90,10 +90,11 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
                 canvas.theme().track, draw::Font::bold,
                 x < 0.0 ? draw::Align::left : draw::Align::right, {x < 0.0 ? 16.0 : -16.0, -8.0});
             canvas.arrow(point(instant.x), point(scale * sum), canvas.theme().muted);
-            canvas.label(point(instant.x + scale * sum), fmt::format("sum {:.2f} N", sum.norm()),
+            canvas.label(point(instant.x + scale * sum),
+                         fmt::format("sum {} N", program::rounded(sum.norm())),
                          canvas.theme().muted, draw::Font::text, draw::Align::right, {-36.0, 0.0});
             draw_forces(canvas, scene, instant, scale);
-            parabola::draw_bead(canvas, instant.x);
+            parabola::draw_bead(canvas, scene, instant.x);
           }};
 }
 
@@ -113,8 +114,8 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
   const double scale = force_scale(scene, largest, view, 0.34);
   const Instant& middle = instants[exposures / 2];
   const double weight = scene.applied_force().y();
-  std::string caption = fmt::format("At t = {:.2f} s the curve carries {:.2f} N", middle.t,
-                                    middle.constraint_force.norm());
+  std::string caption = fmt::format("At t = {:.2f} s the curve carries {} N", middle.t,
+                                    program::rounded(middle.constraint_force.norm()));
   if (weight > 0.0)
     caption += fmt::format(", {:.2f} times the weight", middle.constraint_force.norm() / weight);
   caption += fmt::format(" ({}, step {:g} s).", run.method.label(), run.step);
@@ -129,7 +130,7 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
           const Instant& instant = instants[i];
           canvas.arrow(point(instant.x), point(scale * instant.constraint_force),
                        canvas.theme().constraint_force);
-          parabola::draw_bead(canvas, instant.x,
+          parabola::draw_bead(canvas, scene, instant.x,
                               0.35 + 0.65 * static_cast<double>(i) / (exposures - 1));
           const double side = instant.x.x() > 1e-9 * scene.x0 ? 1.0 : -1.0;
           canvas.label(point(instant.x), fmt::format("{:.2f} s", instant.t), canvas.theme().muted,
@@ -226,9 +227,9 @@ class BeadStage final : public program::Stage {
   std::string title() const override { return "A particle on the curve x² + 2py = 0"; }
   std::string caption() override {
     return fmt::format(
-        "t = {:.3f} s: x = {:.3f} m, speed {:.3f} m/s, |C| = {} m² ({}, step {:g} s).", time(),
-        motion_.q().x(), motion_.v().norm(), program::figure(motion_.measures().constraint_error),
-        run().method.label(), run().step);
+        "t = {:.3f} s: x = {} m, speed {} m/s, |C| = {} m² ({}, step {:g} s).", time(),
+        program::rounded(motion_.q().x(), 3), program::rounded(motion_.v().norm(), 3),
+        program::figure(motion_.measures().constraint_error), run().method.label(), run().step);
   }
 
  private:
@@ -240,7 +241,7 @@ class BeadStage final : public program::Stage {
     if (show.forces)
       draw_forces(canvas, scene_, instant(), force_scale(scene_, largest_force(), view(), 0.2),
                   show.numbers);
-    parabola::draw_bead(canvas, motion_.q());
+    parabola::draw_bead(canvas, scene_, motion_.q());
     if (show.names)
       canvas.label(point(motion_.q()), "particle", canvas.theme().ink, draw::Font::bold,
                    draw::Align::left, {14.0, 14.0});

@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   chapter.defaults = {.duration = 20.0, .step = 0.01};
   chapter.has_constraints = false;
   chapter.constraint_unit = "m²";
+  chapter.fastest = [&scene] { return scene.fastest(); };
 
   using parametric_lagrangian::ParametricBead;
   chapter.start = [&scene](const measure::Method& method) {

@@ -87,7 +87,7 @@ void draw_panel(draw::Pen& pen, const draw::Rect& area, const draw::View& view, 
   parabola::draw_track(canvas, scene, view);
   canvas.curve(trail.points, canvas.theme().velocity, 1.4);
   canvas.bead(point(exact), 10.0, draw::transparent, canvas.theme().constraint_force);
-  parabola::draw_bead(canvas, trail.end);
+  parabola::draw_bead(canvas, scene, trail.end);
 }
 
 /// A row a method, implicit left, parametric right.
@@ -138,7 +138,7 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
                          {0.0, 16.0});
             canvas.label({0.0, top}, "x(q) = (q, −q²/2p)", canvas.theme().track, draw::Font::bold,
                          draw::Align::center);
-            parabola::draw_bead(canvas, x);
+            parabola::draw_bead(canvas, scene, x);
           }};
 }
 
@@ -283,11 +283,11 @@ class PairStage final : public program::Stage {
     if (show.forces) {
       const double longest = 0.16 * (view().right - view().left);
       const Vector2d force = curve_force(side);
-      canvas.arrow(point(x), point(longest / largest_force() * force),
-                   canvas.theme().constraint_force,
-                   show.numbers ? fmt::format("constraint force {:.2f} N", force.norm()) : "");
+      canvas.arrow(
+          point(x), point(longest / largest_force() * force), canvas.theme().constraint_force,
+          show.numbers ? fmt::format("constraint force {} N", program::rounded(force.norm())) : "");
     }
-    parabola::draw_bead(canvas, x);
+    parabola::draw_bead(canvas, scene_, x);
     if (!show.numbers)
       canvas.label({0.5 * (view().left + view().right), view().bottom}, names()[side],
                    canvas.theme().muted, draw::Font::small, draw::Align::center, {0.0, 14.0});

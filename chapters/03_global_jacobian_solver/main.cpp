@@ -29,6 +29,10 @@ int main(int argc, char** argv) {
   };
   chapter.defaults = {.duration = 20.0, .step = 0.01};
   chapter.constraint_unit = "m²";
+  chapter.fastest = [&scene] {  // of a bead alone, from the higher start
+    const double x0 = std::max(std::abs(scene.x1), std::abs(scene.x2));
+    return parabola::Scene{.x0 = x0, .gravity = scene.gravity, .p = scene.p}.fastest();
+  };
 
   chapter.start = [&scene](const measure::Method& method) {
     return std::make_unique<measure::Motion<program::Mechanism>>(

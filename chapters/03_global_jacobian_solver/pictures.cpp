@@ -91,14 +91,19 @@ void draw_track(Canvas& canvas, const Scene& scene, const draw::View& view) {
   parabola::draw_track(canvas, parabola::Scene{.p = scene.p}, view);
 }
 
-void draw_rod(Canvas& canvas, const Instant& instant, double presence = 1.0) {
-  canvas.link(point(instant.x1), point(instant.x2), 5.0, canvas.theme().body.faded(presence),
+/// A rod without mass has no place of its own: it lies midway between the beads, as long as it is.
+void draw_rod(Canvas& canvas, const Scene& scene, const Instant& instant, double presence = 1.0) {
+  const Vector2d middle = 0.5 * (instant.x1 + instant.x2),
+                 half = 0.5 * scene.rod() * (instant.x2 - instant.x1).normalized();
+  canvas.link(point(middle - half), point(middle + half), 5.0, canvas.theme().body.faded(presence),
               canvas.theme().body_edge.faded(presence));
+  canvas.gap(point(middle - half), point(instant.x1));
+  canvas.gap(point(middle + half), point(instant.x2));
 }
 
-void draw_beads(Canvas& canvas, const Instant& instant, double presence = 1.0) {
-  parabola::draw_bead(canvas, instant.x1, presence);
-  parabola::draw_bead(canvas, instant.x2, presence);
+void draw_beads(Canvas& canvas, const Scene& scene, const Instant& instant, double presence = 1.0) {
+  for (const Vector2d& x : {instant.x1, instant.x2})
+    parabola::draw_bead(canvas, parabola::Scene{.p = scene.p}, x, presence);
 }
 
 /// The force of the curve on each bead, and of the rod on both.
@@ -106,7 +111,7 @@ void draw_forces(Canvas& canvas, const Instant& i, double scale, bool labelled) 
   const auto arrow = [&](const Vector2d& at, const Vector2d& force, draw::Color color,
                          const char* name) {
     canvas.arrow(point(at), point(scale * force), color,
-                 labelled ? fmt::format("{} {:.2f} N", name, force.norm()) : "");
+                 labelled ? fmt::format("{} {} N", name, program::rounded(force.norm())) : "");
   };
   arrow(i.x1, i.curve1, canvas.theme().constraint_force, "curve");
   arrow(i.x2, i.curve2, canvas.theme().constraint_force, "curve");
@@ -156,8 +161,8 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
   const double scale = force_scale(std::max({largest_force(instant), weight1, weight2}), seen, 0.2);
   const std::string caption = fmt::format(
       "Two beads, one curve, one rod of {:.4g} m: 4 coordinates, 3 constraints, 1 degree of "
-      "freedom. At rest the rod carries {:.2f} N.",
-      scene.rod(), instant.rod1.norm());
+      "freedom. At rest the rod carries {} N.",
+      scene.rod(), program::rounded(instant.rod1.norm()));
   return {"scene", [=](draw::Pen& pen) {
             Canvas canvas(pen, draw::page(pen, "Two beads on a curve, joined by a rod", caption),
                           seen);
@@ -171,12 +176,12 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
                          fmt::format("rod: C = ½(|d|² − l²) = 0,  l = {:.4g} m", scene.rod()),
                          rod_color(canvas), draw::Font::bold, draw::Align::center, {0.0, 42.0});
             canvas.arrow(point(instant.x1), {0.0, scale * weight1}, canvas.theme().weight,
-                         fmt::format("weight {:.2f} N", weight1));
+                         fmt::format("weight {} N", program::rounded(weight1)));
             canvas.arrow(point(instant.x2), {0.0, scale * weight2}, canvas.theme().weight,
-                         fmt::format("weight {:.2f} N", weight2));
-            draw_rod(canvas, instant);
+                         fmt::format("weight {} N", program::rounded(weight2)));
+            draw_rod(canvas, scene, instant);
             draw_forces(canvas, instant, scale, true);
-            draw_beads(canvas, instant);
+            draw_beads(canvas, scene, instant);
             const double side = scene.x2 > scene.x1 ? 1.0 : -1.0;
             const auto outer = side > 0.0 ? draw::Align::left : draw::Align::right;
             canvas.label(point(instant.x2), fmt::format("bead2, {:g} kg", scene.m2),
@@ -238,8 +243,8 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
   const draw::View seen = view(scene, half);
   const double scale = force_scale(largest, seen, 0.2);
   const std::string caption = fmt::format(
-      "Of these exposures the rod carries most at t = {:.2f} s, {:.2f} N ({}, step {:g} s).",
-      rod_time, rod_force, run.method.label(), run.step);
+      "Of these exposures the rod carries most at t = {:.2f} s, {} N ({}, step {:g} s).", rod_time,
+      program::rounded(rod_force), run.method.label(), run.step);
   return {"motion", [=](draw::Pen& pen) {
             Canvas canvas(
                 pen,
@@ -252,8 +257,8 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
             for (std::size_t i = 0; i < instants.size(); ++i) {
               const Instant& instant = instants[i];
               const double presence = 0.3 + 0.7 * static_cast<double>(i) / (exposures - 1);
-              draw_rod(canvas, instant, presence);
-              draw_beads(canvas, instant, presence);
+              draw_rod(canvas, scene, instant, presence);
+              draw_beads(canvas, scene, instant, presence);
               draw_forces(canvas, instant, scale, false);
               const Vector2d d = (instant.x2 - instant.x1).normalized();
               const Vector2d up = d.x() > 0.0 ? Vector2d(d.y(), -d.x()) : Vector2d(-d.y(), d.x());
@@ -336,10 +341,10 @@ class DumbbellStage final : public program::MechanismStage {
   std::string title() const override { return "Two beads on a curve, joined by a rod"; }
   std::string caption() override {
     return fmt::format(
-        "t = {:.3f} s: bead1 at x = {:.3f} m, bead2 at x = {:.3f} m, |C| = {} m² ({}, step {:g} "
+        "t = {:.3f} s: bead1 at x = {} m, bead2 at x = {} m, |C| = {} m² ({}, step {:g} "
         "s).",
-        time(), motion.q()[0], motion.q()[2], figure(motion.measures().constraint_error),
-        run().method.label(), run().step);
+        time(), program::rounded(motion.q()[0], 3), program::rounded(motion.q()[2], 3),
+        figure(motion.measures().constraint_error), run().method.label(), run().step);
   }
 
  private:
@@ -349,10 +354,10 @@ class DumbbellStage final : public program::MechanismStage {
       for (const std::size_t bead : {0U, 1U})
         canvas.curve(trail(bead), canvas.theme().velocity, 2.0, draw::Dash::dotted);
     const Instant instant = now(motion);
-    draw_rod(canvas, instant);
+    draw_rod(canvas, scene_, instant);
     if (show.forces)
       draw_forces(canvas, instant, force_scale(largest_force(), view(), 0.2), show.numbers);
-    draw_beads(canvas, instant);
+    draw_beads(canvas, scene_, instant);
   }
 
   std::vector<draw::Point> marks() const override {

@@ -51,11 +51,6 @@ draw::View view(const Scene& scene) {
   return {-x, -y, x, y};
 }
 
-void draw_plate(Canvas& canvas, const Eigen::Vector3d& q, double presence) {
-  canvas.box({q.x(), q.y()}, Scene{}.width, Scene{}.height, q.z(),
-             canvas.theme().body.faded(presence), canvas.theme().body_edge);
-}
-
 /// The largest of weight, load and reaction [N].
 double largest(const Scene& scene, const Instant& at) {
   return std::max(
@@ -74,20 +69,23 @@ void draw_forces(Canvas& canvas, const Scene& scene, const Instant& at, double l
   const Point edge{at.q.x() + 0.5 * scene.width * std::cos(at.q.z()),
                    at.q.y() + 0.5 * scene.width * std::sin(at.q.z())};
   canvas.arrow(centre, {0.0, scale * weight}, theme.weight,
-               label(fmt::format("weight {:.2f} N", weight)));
+               label(fmt::format("weight {} N", program::rounded(weight))));
   canvas.arrow(edge, {0.0, scale * load}, theme.applied_force);
-  canvas.label(edge, label(fmt::format("load {:.2f} N", std::abs(load))), theme.applied_force,
-               draw::Font::text, draw::Align::left, {14.0, 14.0});
-  canvas.arrow(centre, {scale * at.reaction.x(), scale * at.reaction.y()}, theme.constraint_force,
-               label(fmt::format("reaction {:.2f} N, {:+.2f} N·m", at.reaction.head<2>().norm(),
-                                 at.reaction.z())));
+  canvas.label(edge, label(fmt::format("load {} N", program::rounded(std::abs(load)))),
+               theme.applied_force, draw::Font::text, draw::Align::left, {14.0, 14.0});
+  canvas.arrow(
+      centre, {scale * at.reaction.x(), scale * at.reaction.y()}, theme.constraint_force,
+      label(fmt::format("reaction {} N, {}{} N·m", program::rounded(at.reaction.head<2>().norm()),
+                        at.reaction.z() < 0.0 ? "" : "+", program::rounded(at.reaction.z()))));
 }
 
 constexpr const char* plate_title = "A plate held by the ground";
 
 void draw_held_plate(Canvas& canvas, const Scene& scene, const Eigen::Vector3d& q) {
   canvas.ground({0.0, 0.5 * scene.height}, 0.0, 1.1 * scene.width * canvas.points_per_metre());
-  draw_plate(canvas, q, 0.6);
+  canvas.box({q.x(), q.y()}, scene.width, scene.height, q.z(), canvas.theme().body.faded(0.6),
+             canvas.theme().body_edge);
+  canvas.gap({0.0, 0.0}, {q.x(), q.y()});
 }
 
 Picture scene_picture(const Scene& scene) {
@@ -95,9 +93,9 @@ Picture scene_picture(const Scene& scene) {
   plate.advance(40, 0.01);
   const Instant at = now(plate);
   const std::string caption = fmt::format(
-      "At t = {:g} s the load is {:.2f} N; the reaction is minus weight and load, and minus their "
+      "At t = {:g} s the load is {} N; the reaction is minus weight and load, and minus their "
       "moment.",
-      at.t, scene.load_at(at.t));
+      at.t, program::rounded(scene.load_at(at.t)));
   return {"scene", [=](draw::Pen& pen) {
             Canvas canvas(pen, draw::page(pen, plate_title, caption), view(scene));
             canvas.axes("m");

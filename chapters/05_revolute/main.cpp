@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
        program::acts},
   };
   chapter.defaults = {.duration = 5.0, .step = 0.005};
+  chapter.fastest = [&scene] { return scene.fastest(); };
 
   chapter.start = [&scene](const measure::Method& method) {
     return std::make_unique<measure::Motion<program::Mechanism>>(

@@ -71,6 +71,11 @@ void draw_chain(Canvas& canvas, const Instant& instant, double width_points, dou
   for (const auto& [near, far] : instant.rods)
     canvas.link(point(near), point(far), width_points, theme.body.faded(presence),
                 theme.body_edge.faded(presence));
+  Vector2d held(0.0, 0.0);  // the point that the next rod hangs on
+  for (const auto& [near, far] : instant.rods) {
+    canvas.gap(point(held), point(near));
+    held = far;
+  }
 }
 
 /// What encloses the points, with some room around it.
@@ -98,9 +103,9 @@ Picture scene_picture(const Scene& given) {
   const double scale = force_scale(scene, std::max(weight, pin), 0.35);
   const Vector2d weight_arrow(0.0, scale * weight), pin_arrow = scale * instant.pin_force;
   const std::string caption = fmt::format(
-      "At the instant of release the pin carries {:.2f} N, {:.0f} % of the weight of {:.2f} N: the "
+      "At the instant of release the pin carries {} N, {:.0f} % of the weight of {} N: the "
       "rest of it starts the rod.",
-      pin, weight > 0.0 ? 100.0 * pin / weight : 0.0, weight);
+      program::rounded(pin), weight > 0.0 ? 100.0 * pin / weight : 0.0, program::rounded(weight));
   const draw::View view = view_of(
       {point(end), point(middle + weight_arrow), point(pin_arrow), {0.0, 0.25 * scene.length}},
       0.16);
@@ -115,9 +120,9 @@ Picture scene_picture(const Scene& given) {
             canvas.pin({0.0, 0.0});
             canvas.bead(point(middle), 4.0, theme.ink, theme.ink);
             canvas.arrow(point(middle), point(weight_arrow), theme.weight,
-                         fmt::format("weight {:.2f} N", weight));
+                         fmt::format("weight {} N", program::rounded(weight)));
             canvas.arrow({0.0, 0.0}, point(pin_arrow), theme.constraint_force,
-                         fmt::format("pin force {:.2f} N", pin));
+                         fmt::format("pin force {} N", program::rounded(pin)));
             canvas.label({0.0, 0.0}, "pin in the world: C = x + A u = 0", theme.track,
                          draw::Font::bold, draw::Align::left, {14.0, 30.0});
             canvas.label(point(middle), "centre of mass x", theme.ink, draw::Font::text,
@@ -148,7 +153,7 @@ Picture motion_picture(const Scene& given, const RunOptions& run) {
     seen.push_back(point(scale * instant.pin_force));
   }
   const draw::View view = view_of(seen, 0.08);
-  std::string caption = fmt::format("The pin carries up to {:.2f} N", largest);
+  std::string caption = fmt::format("The pin carries up to {} N", program::rounded(largest));
   if (weight > 0.0) caption += fmt::format(", {:.2f} times the weight", largest / weight);
   caption += fmt::format(" ({}, step {:g} s).", run.method.label(), run.step);
   return {
@@ -345,8 +350,8 @@ class ChainStage final : public program::MechanismStage {
 
   std::string title() const override { return "Rods on pins"; }
   std::string caption() override {
-    return fmt::format("t = {:.3f} s: pin force {:.2f} N, |C| = {} m ({}, step {:g} s).", time(),
-                       now(scene_, motion).pin_force.norm(),
+    return fmt::format("t = {:.3f} s: pin force {} N, |C| = {} m ({}, step {:g} s).", time(),
+                       program::rounded(now(scene_, motion).pin_force.norm()),
                        program::figure(motion.measures().constraint_error), run().method.label(),
                        run().step);
   }
@@ -359,7 +364,9 @@ class ChainStage final : public program::MechanismStage {
     if (show.forces)
       canvas.arrow({0.0, 0.0}, point(force_scale(scene_, largest_force(), 0.4) * instant.pin_force),
                    canvas.theme().constraint_force,
-                   show.numbers ? fmt::format("pin force {:.2f} N", instant.pin_force.norm()) : "");
+                   show.numbers
+                       ? fmt::format("pin force {} N", program::rounded(instant.pin_force.norm()))
+                       : "");
     canvas.pin({0.0, 0.0});
   }
 

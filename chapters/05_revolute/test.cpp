@@ -500,6 +500,23 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
   }
 }
 
+TEST_CASE("a chain of any length bears the step that it is given: projected, it keeps its energy") {
+  const auto [links, duration] = GENERATE(table<double, double>(
+      {{1, 60.0}, {2, 60.0}, {3, 60.0}, {5, 5.0}, {6, 20.0}, {10, 5.0}, {20, 5.0}, {300, 0.5}}));
+  INFO(links << " links");
+  const Scene scene{.links = links};
+  Motion chain = motion(scene, {integrators::Name::rk4, Stabilization::projection});
+  const double energy = chain.measures().energy, step = std::min(0.005, 0.1 / scene.fastest());
+  double most = 0.0, off = 0.0;
+  while (chain.time() < duration) {
+    chain.advance(std::max(1L, std::lround(0.01 / step)), step);
+    const measure::Measures now = chain.measures();
+    most = std::max(most, now.kinetic);
+    off = std::max(off, std::abs(now.energy - energy));
+  }
+  CHECK(off < 0.01 * most);
+}
+
 TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
   check_stability(revolute::stability());
 }

@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
   };
   chapter.defaults = {.duration = 2.0, .step = 0.002};
   chapter.constraint_unit = "m or rad";
+  chapter.fastest = [&scene] { return std::abs(scene.spin); };
 
   chapter.start = [&scene](const measure::Method& method) {
     return std::make_unique<measure::Motion<program::Mechanism>>(

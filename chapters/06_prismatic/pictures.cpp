@@ -31,18 +31,27 @@ Scene spinning(Scene scene) {
 
 draw::Point point(const Vector2d& x) { return {x.x(), x.y()}; }
 
-/// The block at one time, and the force of the rail on it.
+/// Rail and block at one time, each in its own place, and the force of the rail on the block.
 struct Instant {
   double t;
+  Vector2d rail;
+  double rail_angle;
   Vector2d x;
   double theta;
   Vector2d force;
 };
 
-Instant now(Motion& motion) {
+Instant now(const Scene& scene, Motion& motion) {
   const measure::Row row = motion.row();
-  const double* block = row.state.data() + row.state.size() - 6;
-  return {row.t, {block[0], block[1]}, block[2], {row.reactions[0], row.reactions[1]}};
+  const Eigen::VectorXd& q = motion.q();
+  Instant instant{.t = row.t,
+                  .rail = {0.0, 0.0},
+                  .rail_angle = scene.angle(),
+                  .x = q.tail<3>().head<2>(),
+                  .theta = q[q.size() - 1],
+                  .force = {row.reactions[0], row.reactions[1]}};
+  if (scene.spins()) instant.rail = q.head<2>(), instant.rail_angle = q[2];
+  return instant;
 }
 
 /// Moves on to the step nearest to t.
@@ -51,17 +60,22 @@ void advance_to(Motion& motion, double t, double step) {
   if (steps > 0) motion.advance(steps, step);
 }
 
-void draw_block(Canvas& canvas, const Instant& instant, double presence) {
+/// The block, and the gaps where it is off the rail and the rail off its pin.
+void draw_block(Canvas& canvas, const Scene& scene, const Instant& instant, double presence) {
   const auto& theme = canvas.theme();
-  canvas.box(point(instant.x), Scene{}.width, Scene{}.height, instant.theta,
-             theme.body.faded(presence), theme.body_edge.faded(presence));
+  canvas.box(point(instant.x), scene.width, scene.height, instant.theta, theme.body.faded(presence),
+             theme.body_edge.faded(presence));
+  const Vector2d u = along(instant.rail_angle);
+  const Vector2d foot = instant.rail + u.dot(instant.x - instant.rail) * u;
+  canvas.gap(point(foot), point(instant.x));
+  canvas.gap({0.0, 0.0}, point(instant.rail));
 }
 
-/// A rail through `center` that leaves the view on both sides.
-void draw_rail(Canvas& canvas, const Vector2d& center, double theta, double half, double presence,
+/// The rail, so long that it leaves the view on both sides.
+void draw_rail(Canvas& canvas, const Instant& instant, double half, double presence,
                double thickness) {
-  const std::vector<draw::Point> ends{point(center - half * along(theta)),
-                                      point(center + half * along(theta))};
+  const Vector2d u = half * along(instant.rail_angle);
+  const std::vector<draw::Point> ends{point(instant.rail - u), point(instant.rail + u)};
   canvas.curve(ends, canvas.theme().track.faded(presence), thickness);
 }
 
@@ -85,21 +99,22 @@ double force_scale(double largest, double metres) { return largest > 0.0 ? metre
 Picture scene_picture(Scene scene) {
   scene.spin = 0.0;
   Motion start = motion(scene);
-  const Instant instant = now(start);
+  const Instant instant = now(scene, start);
   const Vector2d weight(0.0, scene.mass * scene.gravity), sum = weight + instant.force;
   const double scale = force_scale(weight.norm(), 0.3);
   const draw::View view{-0.62, -0.37, 0.62, 0.42};
   const std::string caption = fmt::format(
-      "On {:g}° the rail carries {:.2f} N of the weight of {:.2f} N, m g cos {:g}°; {:.2f} N are "
+      "On {:g}° the rail carries {} N of the weight of {} N, m g cos {:g}°; {} N are "
       "left to move the block.",
-      scene.incline, instant.force.norm(), weight.norm(), scene.incline, sum.norm());
+      scene.incline, program::rounded(instant.force.norm()), program::rounded(weight.norm()),
+      scene.incline, program::rounded(sum.norm()));
   return {
       "scene", [=](draw::Pen& pen) {
         Canvas canvas(pen, draw::page(pen, "A block on an inclined rail", caption), view);
         canvas.axes("m");
         const auto& theme = canvas.theme();
         const double beta = scene.angle();
-        draw_rail(canvas, {0.0, 0.0}, beta, 4.0, 1.0, 3.0);
+        draw_rail(canvas, instant, 4.0, 1.0, 3.0);
         const std::vector<draw::Point> level{{-0.5, -0.5 * std::tan(beta)},
                                              {-0.3, -0.5 * std::tan(beta)}};
         std::vector<draw::Point> arc;
@@ -111,15 +126,15 @@ Picture scene_picture(Scene scene) {
           canvas.label(arc[20], fmt::format("{:g}°", scene.incline), theme.muted, draw::Font::text,
                        draw::Align::left, {10.0, 0.0});
         }
-        draw_block(canvas, instant, 1.0);
+        draw_block(canvas, scene, instant, 1.0);
         canvas.arrow({0.0, 0.0}, point(scale * weight), theme.weight,
-                     fmt::format("weight {:.2f} N", weight.norm()));
+                     fmt::format("weight {} N", program::rounded(weight.norm())));
         canvas.arrow({0.0, 0.0}, point(scale * instant.force), theme.constraint_force,
-                     fmt::format("reaction {:.2f} N", instant.force.norm()));
+                     fmt::format("reaction {} N", program::rounded(instant.force.norm())));
         canvas.arrow({0.0, 0.0}, point(scale * sum), theme.muted);
         const double aside = beta < 0.0 ? 1.0 : -1.0;  // where the rail leaves room for text
-        canvas.label(point(scale * sum), fmt::format("sum {:.2f} N", sum.norm()), theme.muted,
-                     draw::Font::text, draw::Align::left, {12.0, 10.0 * aside});
+        canvas.label(point(scale * sum), fmt::format("sum {} N", program::rounded(sum.norm())),
+                     theme.muted, draw::Font::text, draw::Align::left, {12.0, 10.0 * aside});
         canvas.bead({0.0, 0.0}, 3.0, theme.ink, theme.ink);
         canvas.label(point(0.45 * along(beta)), "rail: n·d = 0,  θ = θ₂₁", theme.track,
                      draw::Font::bold, draw::Align::left, {14.0, 10.0 * aside});
@@ -137,7 +152,7 @@ Picture motion_picture(Scene scene, const RunOptions& run) {
   std::vector<Instant> instants;
   for (int i = 0; i < count; ++i) {
     advance_to(block, i * interval, run.step);
-    instants.push_back(now(block));
+    instants.push_back(now(scene, block));
   }
   const double largest = scene.mass * scene.gravity, length = instants.back().x.norm();
   const double scale = force_scale(largest, 0.4);
@@ -149,9 +164,9 @@ Picture motion_picture(Scene scene, const RunOptions& run) {
   const draw::View view = view_of(seen, 0.06);
   const std::string caption = fmt::format(
       "After {:.2f} s the block has come {:.4f} m; ½ g sin {:g}° t² is {:.4f} m ({}, step {:g} s). "
-      "The reaction stays {:.2f} N.",
+      "The reaction stays {} N.",
       instants.back().t, length, scene.incline, 0.5 * pull * instants.back().t * instants.back().t,
-      run.method.label(), run.step, instants.back().force.norm());
+      run.method.label(), run.step, program::rounded(instants.back().force.norm()));
   return {
       "motion", [=](draw::Pen& pen) {
         Canvas canvas(
@@ -160,10 +175,10 @@ Picture motion_picture(Scene scene, const RunOptions& run) {
             view);
         canvas.axes("m");
         const auto& theme = canvas.theme();
-        draw_rail(canvas, {0.0, 0.0}, scene.angle(), 3.0 * size_of(view), 1.0, 2.4);
+        draw_rail(canvas, instants.front(), 3.0 * size_of(view), 1.0, 2.4);
         for (std::size_t i = 0; i < instants.size(); ++i) {
           const Instant& instant = instants[i];
-          draw_block(canvas, instant, 0.35 + 0.65 * static_cast<double>(i) / (count - 1));
+          draw_block(canvas, scene, instant, 0.35 + 0.65 * static_cast<double>(i) / (count - 1));
           canvas.arrow(point(instant.x), point(scale * instant.force), theme.constraint_force);
           canvas.label(point(instant.x), fmt::format("{:.2f} s", instant.t), theme.muted,
                        draw::Font::small, draw::Align::right,
@@ -183,14 +198,14 @@ Picture spin_picture(const Scene& given, const RunOptions& run) {
       interval / (between * std::clamp(std::ceil(interval / between / run.step), 1.0, 50.0));
   Motion spin = motion(scene, run.method);
   const double before = angular_momentum(scene, spin.q(), spin.v());
-  std::vector<Instant> instants{now(spin)};
+  std::vector<Instant> instants{now(scene, spin)};
   std::vector<draw::Point> trail{point(instants[0].x)};
   for (int i = 1; i < count; ++i) {
     for (int k = 1; k <= between; ++k) {
       advance_to(spin, (i - 1 + k / double(between)) * interval, step);
-      trail.push_back(point(now(spin).x));
+      trail.push_back(point(now(scene, spin).x));
     }
-    instants.push_back(now(spin));
+    instants.push_back(now(scene, spin));
   }
   const double error = std::abs(angular_momentum(scene, spin.q(), spin.v()) - before);
   const double reach = instants.back().x.norm();
@@ -210,28 +225,28 @@ Picture spin_picture(const Scene& given, const RunOptions& run) {
       "rad/s. Angular momentum {:.4g} kg·m²/s, kept to {} ({}, step {} s).",
       spin.time(), scene.r0, reach, scene.spin, spin.v()[2], before, program::figure(error),
       run.method.label(), program::figure(step));
-  return {"spin", [=](draw::Pen& pen) {
-            Canvas canvas(pen,
-                          draw::page(pen, "A rail that turns freely, and the block on it", caption),
-                          view);
-            canvas.axes("m");
-            const auto& theme = canvas.theme();
-            for (std::size_t i = 0; i < instants.size(); ++i)
-              draw_rail(canvas, {0.0, 0.0}, instants[i].theta, 2.0 * size_of(view),
-                        0.15 + 0.75 * static_cast<double>(i) / (count - 1), 1.6);
-            canvas.curve(trail, theme.velocity, 1.8, draw::Dash::dotted);
-            for (std::size_t i = 0; i < instants.size(); ++i) {
-              const Instant& instant = instants[i];
-              draw_block(canvas, instant, 0.35 + 0.65 * static_cast<double>(i) / (count - 1));
-              canvas.arrow(point(instant.x), point(scale * instant.force), theme.constraint_force);
-              if (i > 0)
-                canvas.label(point(instant.x), fmt::format("{:.2f} s", instant.t), theme.muted,
-                             draw::Font::small, draw::Align::left, {14.0, 10.0});
-            }
-            canvas.pin({0.0, 0.0});
-            canvas.label({view.left, view.top}, "arrows: force of the rail on the block",
-                         theme.constraint_force, draw::Font::bold, draw::Align::left, {10.0, 50.0});
-          }};
+  return {
+      "spin", [=](draw::Pen& pen) {
+        Canvas canvas(
+            pen, draw::page(pen, "A rail that turns freely, and the block on it", caption), view);
+        canvas.axes("m");
+        const auto& theme = canvas.theme();
+        for (std::size_t i = 0; i < instants.size(); ++i)
+          draw_rail(canvas, instants[i], 2.0 * size_of(view),
+                    0.15 + 0.75 * static_cast<double>(i) / (count - 1), 1.6);
+        canvas.curve(trail, theme.velocity, 1.8, draw::Dash::dotted);
+        for (std::size_t i = 0; i < instants.size(); ++i) {
+          const Instant& instant = instants[i];
+          draw_block(canvas, scene, instant, 0.35 + 0.65 * static_cast<double>(i) / (count - 1));
+          canvas.arrow(point(instant.x), point(scale * instant.force), theme.constraint_force);
+          if (i > 0)
+            canvas.label(point(instant.x), fmt::format("{:.2f} s", instant.t), theme.muted,
+                         draw::Font::small, draw::Align::left, {14.0, 10.0});
+        }
+        canvas.pin({0.0, 0.0});
+        canvas.label({view.left, view.top}, "arrows: force of the rail on the block",
+                     theme.constraint_force, draw::Font::bold, draw::Align::left, {10.0, 50.0});
+      }};
 }
 
 Picture drift_picture(const Scene& given, const RunOptions& run) {
@@ -321,29 +336,31 @@ class BlockStage final : public program::MechanismStage {
 
   std::string title() const override { return "A block on a rail"; }
   std::string caption() override {
-    const Instant instant = now(motion);
+    const Instant instant = now(scene_, motion);
     const Eigen::Index block = motion.v().size() - 3;
     return fmt::format(
-        "t = {:.3f} s: block at ({:.3f}, {:.3f}) m, {:.3f} m/s{}, |C| = {} m or rad ({}, step {:g} "
+        "t = {:.3f} s: block at ({}, {}) m, {} m/s{}, |C| = {} m or rad ({}, step {:g} "
         "s).",
-        time(), instant.x.x(), instant.x.y(), motion.v().segment<2>(block).norm(),
-        scene_.spins() ? fmt::format(", rail at {:.3f} rad/s", motion.v()[block + 2]) : "",
+        time(), program::rounded(instant.x.x(), 3), program::rounded(instant.x.y(), 3),
+        program::rounded(motion.v().segment<2>(block).norm(), 3),
+        scene_.spins() ? fmt::format(", rail at {} rad/s", program::rounded(motion.v()[2], 3)) : "",
         program::figure(motion.measures().constraint_error), run().method.label(), run().step);
   }
 
  private:
   void draw_things(Canvas& canvas, const program::Show& show) override {
-    const Instant instant = now(motion);
-    draw_rail(canvas, {0.0, 0.0}, instant.theta, 3.0 * size_of(view()), 1.0, 2.4);
+    const Instant instant = now(scene_, motion);
+    draw_rail(canvas, instant, 3.0 * size_of(view()), 1.0, 2.4);
     if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.6, draw::Dash::dotted);
-    draw_block(canvas, instant, 1.0);
+    draw_block(canvas, scene_, instant, 1.0);
     if (scene_.width * canvas.points_per_metre() < 10.0)  // else it could not be seen from afar
       canvas.bead(point(instant.x), 4.0, canvas.theme().body, canvas.theme().body_edge);
     if (show.forces)
-      canvas.arrow(point(instant.x),
-                   point(force_scale(largest_force(), 0.2 * size_of(view())) * instant.force),
-                   canvas.theme().constraint_force,
-                   show.numbers ? fmt::format("reaction {:.2f} N", instant.force.norm()) : "");
+      canvas.arrow(
+          point(instant.x),
+          point(force_scale(largest_force(), 0.2 * size_of(view())) * instant.force),
+          canvas.theme().constraint_force,
+          show.numbers ? fmt::format("reaction {} N", program::rounded(instant.force.norm())) : "");
     if (scene_.spins()) canvas.pin({0.0, 0.0});
   }
 
@@ -351,7 +368,7 @@ class BlockStage final : public program::MechanismStage {
     const Eigen::Index block = motion.q().size() - 3;
     return {{motion.q()[block], motion.q()[block + 1]}};
   }
-  double force() override { return now(motion).force.norm(); }
+  double force() override { return now(scene_, motion).force.norm(); }
   draw::Point half_size(const dynamics::ThingInfo& thing) const override {
     if (thing.name == "rail") return {0.5, 0.0};
     return {0.5 * scene_.width, 0.5 * scene_.height};

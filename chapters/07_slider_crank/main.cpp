@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
   };
   chapter.defaults = {.duration = 2.0, .step = 0.001};
   chapter.constraint_unit = "m or rad";
+  chapter.fastest = [&] { return scene.fastest(chapter.defaults.duration); };
 
   chapter.start = [&scene](const measure::Method& method) {
     return std::make_unique<measure::Motion<program::Mechanism>>(

@@ -28,34 +28,48 @@ Motion motion(const Scene& scene, const measure::Method& method) {
   return {make_mechanism(scene, method), method};
 }
 
+Point point(const Vector2d& x) { return {x.x(), x.y()}; }
+
 /// The forces on the bodies that the joints are named after, each at the place where it acts.
 struct Forces {
   Vector2d wheel_frame, rod_wheel, slider_rod, slider_frame;
 };
 
+/// Where a body is.
+struct Pose {
+  Vector2d x = Vector2d::Zero();
+  double angle = 0.0;
+
+  /// The point u of the body's own frame.
+  Vector2d at(const Vector2d& u) const { return x + dynamics::rotation(angle) * u; }
+};
+
 struct Instant {
-  double t, theta;
-  Vector2d pin, slider;  ///< crank pin, slider's centre
+  double t;
+  Pose frame, wheel, rod, slider;
+  Vector2d crank_pin, rod_start, rod_end;  ///< of the wheel, and of the rod
   Forces forces;
-  double energy, work;
 };
 
 Instant now(const Scene& scene, Motion& motion, const Bodies& bodies) {
   const measure::Row row = motion.row();
-  const Eigen::VectorXd& q = motion.q();
-  const double theta = q[bodies.wheel.column + 2];
+  const auto pose = [&](const auto& body) {
+    return Pose{motion.q().segment<2>(body.column), motion.q()[body.column + 2]};
+  };
+  const Pose wheel = pose(bodies.wheel), rod = pose(bodies.rod);
   const auto force = [&](std::size_t i) {
     return Vector2d(row.reactions[3 * i], row.reactions[3 * i + 1]);
   };
   // Reported in this order: frame_ground, wheel_frame, rod_wheel, slider_rod, slider_frame.
-  return {
-      row.t,
-      theta,
-      q.segment<2>(bodies.wheel.column) + scene.crank * Vector2d(std::cos(theta), std::sin(theta)),
-      q.segment<2>(bodies.slider.column),
-      {force(1), force(2), force(3), force(4)},
-      row.measures.energy,
-      row.measures.work};
+  return {row.t,
+          bodies.frame ? pose(*bodies.frame) : Pose{},
+          wheel,
+          rod,
+          pose(bodies.slider),
+          wheel.at({scene.crank, 0.0}),
+          rod.at({-0.5 * scene.rod, 0.0}),
+          rod.at({0.5 * scene.rod, 0.0}),
+          {force(1), force(2), force(3), force(4)}};
 }
 
 /// One revolution, or the run where it ends before: an instant each step.
@@ -65,7 +79,7 @@ std::vector<Instant> revolution(const Scene& scene, const RunOptions& run) {
   Motion crank(std::move(mechanism), run.method);
   std::vector<Instant> instants{now(scene, crank, bodies)};
   const long steps = run.whole_steps(), stride = std::max(1L, steps / 20000);
-  for (long done = 0; done < steps && std::abs(instants.back().theta - scene.theta0) < turn;
+  for (long done = 0; done < steps && std::abs(instants.back().wheel.angle - scene.theta0) < turn;
        done += stride) {
     crank.advance(stride, run.step);
     instants.push_back(now(scene, crank, bodies));
@@ -79,40 +93,49 @@ draw::View view(const Scene& scene) {
           1.35 * wheel};
 }
 
-Point point(const Vector2d& x) { return {x.x(), x.y()}; }
-
-void draw_frame(Canvas& canvas, const Scene& scene) {
+void draw_frame(Canvas& canvas, const Scene& scene, const Pose& frame) {
   const double from = scene.rod - scene.crank - 0.5 * scene.slider_width - 0.05;
   const double to = scene.rod + scene.crank + 0.5 * scene.slider_width + 0.05;
   const double floor = 0.5 * scene.slider_height;
-  const std::vector<Point> rail{{from, floor}, {to, floor}};
-  canvas.ground({0.5 * (from + to), floor}, 0.0, (to - from) * canvas.points_per_metre());
+  const std::vector<Point> rail{point(frame.at({from, floor})), point(frame.at({to, floor}))};
+  canvas.ground(point(frame.at({0.5 * (from + to), floor})), frame.angle,
+                (to - from) * canvas.points_per_metre());
   canvas.curve(rail, canvas.theme().track, 2.4);
-  const std::vector<Point> line{{0.0, 0.0}, {to, 0.0}};
+  const std::vector<Point> line{point(frame.x), point(frame.at({to, 0.0}))};
   canvas.curve(line, canvas.theme().muted, 1.0, draw::Dash::dotted);
 }
 
 /// The moving bodies; `muted` leaves the colours to the arrows that come on top.
-void draw_bodies(Canvas& canvas, const Instant& at, double presence, bool muted) {
+void draw_bodies(Canvas& canvas, const Scene& scene, const Instant& at, double presence,
+                 bool muted) {
   const auto& theme = canvas.theme();
   const draw::Color edge = theme.body_edge.faded(presence);
   const draw::Color crank = muted ? theme.grid : theme.series[1].faded(presence);
   const draw::Color rod = muted ? theme.grid : theme.series[0].faded(presence);
-  canvas.box(point(at.slider), Scene{}.slider_width, Scene{}.slider_height, 0.0,
+  canvas.box(point(at.slider.x), scene.slider_width, scene.slider_height, at.slider.angle,
              muted ? draw::transparent : theme.body.faded(presence < 1.0 ? 0.0 : 0.6), edge);
-  canvas.link({0.0, 0.0}, point(at.pin), 9.0, crank, edge);
-  canvas.link(point(at.pin), point(at.slider), 9.0, rod, edge);
+  canvas.link(point(at.wheel.x), point(at.crank_pin), 9.0, crank, edge);
+  canvas.link(point(at.rod_start), point(at.rod_end), 9.0, rod, edge);
+}
+
+void draw_gaps(Canvas& canvas, const Instant& at) {
+  const Vector2d along = at.frame.at({1.0, 0.0}) - at.frame.x;
+  const Vector2d foot = at.frame.x + along.dot(at.slider.x - at.frame.x) * along;  // on the rail
+  canvas.gap({0.0, 0.0}, point(at.frame.x));
+  canvas.gap(point(at.frame.x), point(at.wheel.x));
+  canvas.gap(point(at.crank_pin), point(at.rod_start));
+  canvas.gap(point(at.rod_end), point(at.slider.x));
+  canvas.gap(point(foot), point(at.slider.x));
 }
 
 void draw_mechanism(Canvas& canvas, const Scene& scene, const Instant& at, bool muted = false) {
-  draw_frame(canvas, scene);
-  canvas.disc({0.0, 0.0}, scene.wheel_radius, canvas.theme().body.faded(0.35),
+  draw_frame(canvas, scene, at.frame);
+  canvas.disc(point(at.wheel.x), scene.wheel_radius, canvas.theme().body.faded(0.35),
               canvas.theme().body_edge);
-  draw_bodies(canvas, at, 1.0, muted);
-  canvas.ground({0.0, 0.0});
-  canvas.pin({0.0, 0.0});
-  canvas.pin(point(at.pin));
-  canvas.pin(point(at.slider));
+  draw_bodies(canvas, scene, at, 1.0, muted);
+  canvas.ground(point(at.frame.x), at.frame.angle);
+  for (const Vector2d& pin : {at.wheel.x, at.crank_pin, at.slider.x}) canvas.pin(point(pin));
+  draw_gaps(canvas, at);
 }
 
 /// Arrows of the four joint reactions, `metres` long where the force is `newtons`.
@@ -121,12 +144,12 @@ void draw_forces(Canvas& canvas, const Instant& at, double newtons, double metre
   const auto arrow = [&](const Vector2d& where, const Vector2d& force, std::size_t color,
                          const char* name) {
     canvas.arrow(point(where), point(metres / newtons * force), canvas.theme().series[color],
-                 labelled ? fmt::format("{} {:.1f} N", name, force.norm()) : "");
+                 labelled ? fmt::format("{} {} N", name, program::rounded(force.norm(), 1)) : "");
   };
-  arrow(Vector2d::Zero(), at.forces.wheel_frame, 2, "wheel_frame");
-  arrow(at.pin, at.forces.rod_wheel, 1, "rod_wheel");
-  arrow(at.slider, at.forces.slider_rod, 0, "slider_rod");
-  arrow(at.slider, at.forces.slider_frame, 3, "slider_frame");
+  arrow(at.wheel.x, at.forces.wheel_frame, 2, "wheel_frame");
+  arrow(at.rod_start, at.forces.rod_wheel, 1, "rod_wheel");
+  arrow(at.slider.x, at.forces.slider_rod, 0, "slider_rod");
+  arrow(at.slider.x, at.forces.slider_frame, 3, "slider_frame");
 }
 
 double largest(const Forces& forces) {
@@ -156,18 +179,20 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
           canvas.label(point(at), text, color, draw::Font::bold, align, offset);
         };
         name({-0.2, -0.2}, "wheel", {0, 0}, draw::Align::center, theme.ink);
-        name(0.65 * start.pin + 0.35 * start.slider, "rod", {0, 20}, draw::Align::left, theme.ink);
-        name(start.slider, "slider",
+        name(0.65 * start.crank_pin + 0.35 * start.slider.x, "rod", {0, 20}, draw::Align::left,
+             theme.ink);
+        name(start.slider.x, "slider",
              {0, -scene.slider_height * 0.5 * canvas.points_per_metre() - 14}, draw::Align::center,
              theme.ink);
         name({scene.rod + scene.crank + 0.5 * scene.slider_width, 0.5 * scene.slider_height},
              "frame", {0, -14}, draw::Align::center, theme.ink);
         name({0, 0}, "wheel_frame: revolute", {0, -20}, draw::Align::center,
              theme.constraint_force);
-        name(start.pin, "rod_wheel: revolute", {10, 22}, draw::Align::left, theme.constraint_force);
-        name(start.slider, "slider_rod: revolute", {0, 64}, draw::Align::center,
+        name(start.crank_pin, "rod_wheel: revolute", {10, 22}, draw::Align::left,
              theme.constraint_force);
-        name(start.slider, "slider_frame: prismatic", {0, 84}, draw::Align::center,
+        name(start.slider.x, "slider_rod: revolute", {0, 64}, draw::Align::center,
+             theme.constraint_force);
+        name(start.slider.x, "slider_frame: prismatic", {0, 84}, draw::Align::center,
              theme.constraint_force);
         name({0, 0}, "frame_ground: ground", {-8, 26}, draw::Align::right, theme.constraint_force);
         if (scene.torque != 0.0) {  // a couple: an arc with a head
@@ -195,25 +220,26 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
   const Instant& last = instants.back();
   const std::string caption = fmt::format(
       "{} exposures at equal times from t = 0 to {:.3f} s, in which the crank turns by {:.2f} rad.",
-      exposures, last.t, last.theta - scene.theta0);
+      exposures, last.t, last.wheel.angle - scene.theta0);
   return {
       "motion", [=](draw::Pen& pen) {
         Canvas canvas(pen, draw::page(pen, "One revolution of the crank", caption), view(scene));
         canvas.axes("m");
-        draw_frame(canvas, scene);
-        canvas.disc({0.0, 0.0}, scene.wheel_radius, canvas.theme().body.faded(0.25),
+        draw_frame(canvas, scene, last.frame);
+        canvas.disc(point(last.wheel.x), scene.wheel_radius, canvas.theme().body.faded(0.25),
                     canvas.theme().body_edge);
         // After a whole turn the last exposure covers the first: one label serves both.
-        const bool closed = std::abs(last.theta - scene.theta0) > 0.98 * turn;
+        const bool closed = std::abs(last.wheel.angle - scene.theta0) > 0.98 * turn;
         for (std::size_t i = 0; i < shown.size(); ++i) {
           const double presence = 0.2 + 0.6 * static_cast<double>(i) / exposures;
-          draw_bodies(canvas, shown[i], i + 1 == shown.size() ? 1.0 : presence, false);
+          draw_bodies(canvas, scene, shown[i], i + 1 == shown.size() ? 1.0 : presence, false);
+          draw_gaps(canvas, shown[i]);
           if (closed && (i == 0 || i + 1 == shown.size())) continue;
-          canvas.label(point(1.16 * shown[i].pin), fmt::format("{:.2f} s", shown[i].t),
+          canvas.label(point(1.16 * shown[i].crank_pin), fmt::format("{:.2f} s", shown[i].t),
                        canvas.theme().muted, draw::Font::small, draw::Align::center);
         }
         if (closed)
-          canvas.label(point(last.pin), fmt::format("0.00 and {:.2f} s", last.t),
+          canvas.label(point(last.crank_pin), fmt::format("0.00 and {:.2f} s", last.t),
                        canvas.theme().muted, draw::Font::small, draw::Align::left, {30.0, 12.0});
         canvas.pin({0.0, 0.0});
       }};
@@ -230,7 +256,7 @@ Picture forces_picture(const Scene& scene, const RunOptions& run) {
   const auto curve = [&](const char* name, auto member) {
     draw::Curve line{.label = name};
     for (const Instant& at : instants)
-      line.points.push_back({at.theta, (at.forces.*member).norm()});
+      line.points.push_back({at.wheel.angle, (at.forces.*member).norm()});
     plot.curves.push_back(line);
   };
   curve("slider_rod", &Forces::slider_rod);
@@ -238,10 +264,10 @@ Picture forces_picture(const Scene& scene, const RunOptions& run) {
   curve("wheel_frame", &Forces::wheel_frame);
   curve("slider_frame", &Forces::slider_frame);
   const std::string caption = fmt::format(
-      "Largest at θ = {:.2f} rad, t = {:.3f} s: the frame holds the wheel with {:.1f} N. Arrows: "
+      "Largest at θ = {:.2f} rad, t = {:.3f} s: the frame holds the wheel with {} N. Arrows: "
       "the force on the "
       "body that the joint's name starts with.",
-      worst.theta, worst.t, worst.forces.wheel_frame.norm());
+      worst.wheel.angle, worst.t, program::rounded(worst.forces.wheel_frame.norm(), 1));
   return {
       "forces", [=](draw::Pen& pen) {
         draw::Plot colored = plot;
@@ -368,16 +394,17 @@ class CrankStage final : public program::MechanismStage {
 
   std::string title() const override { return "Slider-crank"; }
   std::string caption() override {
-    return fmt::format(
-        "t = {:.3f} s: θ = {:.3f} rad, {:.3f} rad/s, joints open by {} m ({}, step {:g} s).",
-        time(), motion.q()[bodies_.wheel.column + 2], motion.v()[bodies_.wheel.column + 2],
-        program::figure(motion.measures().constraint_error), run().method.label(), run().step);
+    return fmt::format("t = {:.3f} s: θ = {} rad, {} rad/s, joints open by {} m ({}, step {:g} s).",
+                       time(), program::rounded(motion.q()[bodies_.wheel.column + 2], 3),
+                       program::rounded(motion.v()[bodies_.wheel.column + 2], 3),
+                       program::figure(motion.measures().constraint_error), run().method.label(),
+                       run().step);
   }
 
  private:
   void draw_things(Canvas& canvas, const program::Show& show) override {
     const Instant at = now(scene_, motion, bodies_);
-    draw_mechanism(canvas, scene_, at, true);
+    draw_mechanism(canvas, scene_, at, show.forces);
     if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.4, draw::Dash::dotted);
     if (show.forces)
       draw_forces(canvas, at, largest_force(), 0.4 * (scene_.crank + scene_.wheel_radius),

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <type_traits>
 
 #include "joints/ground.hpp"
@@ -41,6 +42,13 @@ struct Scene {
 
   double wheel_inertia() const { return 0.5 * wheel_mass * wheel_radius * wheel_radius; }
   double rod_inertia() const { return rod_mass * rod * rod / 12.0; }
+  /// A bound of the wheel's rate [rad/s] after a time t [s]: where it starts, what the torque adds
+  /// while the wheel gives way most easily (the slider at its dead centre, the rod turning about
+  /// it), and a fall of the crank.
+  double fastest(double t) const {
+    const double inertia = wheel_inertia() + rod_mass * crank * crank / 3.0;
+    return std::abs(omega0) + std::abs(torque) * t / inertia + std::sqrt(gravity / crank);
+  }
   double slider_inertia() const {
     return slider_mass * (slider_width * slider_width + slider_height * slider_height) / 12.0;
   }
@@ -56,9 +64,10 @@ struct Scene {
   }
 };
 
-/// Where the coordinates of the moving bodies stand in q.
+/// Where the coordinates of the bodies stand in q; the frame's only where it is simulated.
 struct Bodies {
   dynamics::Handle<dynamics::Body> wheel, rod, slider;
+  std::optional<dynamics::Handle<dynamics::Body>> frame;
 };
 
 /// The scene as a system: wheel, rod and slider, and the frame where it is simulated.
@@ -124,7 +133,10 @@ inline program::Mechanism make_mechanism(const Scene& scene, const measure::Meth
     mechanism.work = [=, torque = scene.torque](const VectorXd& q) {
       return torque * (q[wheel.column + 2] - theta);
     };
-    if (bodies != nullptr) *bodies = {wheel, rod, slider};
+    if (bodies == nullptr) return;
+    *bodies = {wheel, rod, slider, {}};
+    if constexpr (!std::is_same_v<decltype(frame), dynamics::Handle<dynamics::World>>)
+      bodies->frame = frame;
   };
 
   if (scene.simulate_frame != 0.0)

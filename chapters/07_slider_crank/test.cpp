@@ -418,6 +418,29 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
   }
 }
 
+TEST_CASE(
+    "the crank runs for ten minutes, and under its torque until its speed outgrows the step") {
+  constexpr double step = 0.001;
+  const auto runs_to = [&](const Scene& scene, double duration) {
+    Motion crank = motion(scene, {integrators::Name::rk4, Stabilization::projection});
+    const double balance = crank.measures().balance();
+    double most = crank.measures().kinetic;
+    while (crank.time() < duration) {
+      crank.advance(10, step);
+      const measure::Measures now = crank.measures();
+      most = std::max(most, now.kinetic);
+      if (!(std::abs(now.balance() - balance) < 0.01 * most)) break;
+    }
+    return crank.time();
+  };
+  CHECK(runs_to({.torque = 0.0}, 600.0) >= 600.0);
+  CHECK(runs_to({.torque = 0.0, .omega0 = 20.0}, 600.0) >= 600.0);
+  // RK4 is good for some tenths of a radian a step, and 2 N·m bring 7 to 8 rad/s each second.
+  const double outgrown = runs_to({}, 600.0);
+  CHECK(outgrown > 25.0);
+  CHECK(outgrown < 60.0);
+}
+
 TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
   check_stability(slider_crank::stability());
 }

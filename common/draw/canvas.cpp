@@ -207,6 +207,19 @@ void Canvas::pin(Point at) {
   pen_.circle(center, 1.4, theme().ink);
 }
 
+void Canvas::gap(Point a, Point b) {
+  constexpr double visible = 2;  // points
+  const std::array ends{page(a), page(b)};
+  if (!(length(ends[1] - ends[0]) > visible)) return;
+  const Color color = theme().warning;
+  pen_.line(ends[0], ends[1], color);
+  for (const Point& end : ends) {
+    beads_.push_back(centered(end, 9, 9));
+    pen_.circle(end, 4.5, theme().paper, color);
+    pen_.circle(end, 1.4, color);
+  }
+}
+
 void Canvas::ground(Point at, double angle, double width_points) {
   constexpr double depth = 9, spacing = 8;
   const double half = width_points / 2;

@@ -61,6 +61,9 @@ class Canvas {
              Align align = Align::left, Point offset_points = {});
   /// A revolute joint.
   void pin(Point at);
+  /// The two points that a joint should hold together, where they are visibly apart: a mark on each
+  /// and a line between them. Where they are not, nothing.
+  void gap(Point a, Point b);
   /// A fixed surface below `at`, hatched; turned by `angle` radians.
   void ground(Point at, double angle = 0, double width_points = 40);
   /// A round length, at the bottom right.

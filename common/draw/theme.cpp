@@ -28,6 +28,7 @@ Theme light() {
       .constraint_force = hex(0x0072b2),
       .applied_force = hex(0xb0568e),
       .velocity = hex(0x00855f),
+      .warning = hex(0xd0021b),
       .series = {hex(0x0072b2), hex(0xd55e00), hex(0x009e73), hex(0xb0568e), hex(0x4d5561),
                  hex(0xcc8f00)},
   };
@@ -47,6 +48,7 @@ Theme dark() {
       .constraint_force = hex(0x56b4e9),
       .applied_force = hex(0xe39bc8),
       .velocity = hex(0x35c79d),
+      .warning = hex(0xff5a5f),
       .series = {hex(0x56b4e9), hex(0xff8542), hex(0x35c79d), hex(0xe39bc8), hex(0xc4cad3),
                  hex(0xe6d24a)},
   };

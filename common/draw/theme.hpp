@@ -25,6 +25,7 @@ struct Theme {
   Color body;   ///< fill of beads and bodies
   Color body_edge;
   Color weight, constraint_force, applied_force, velocity;
+  Color warning;                ///< what should not be: an open joint
   std::array<Color, 6> series;  ///< curves of a plot, in this order
 };
 

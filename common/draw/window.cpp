@@ -5,6 +5,7 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -36,6 +37,28 @@ bool can_have_wayland() {
   return is_path(std::getenv("XDG_RUNTIME_DIR")) || is_path(std::getenv("WAYLAND_DISPLAY"));
 }
 #endif
+
+/// No larger than the primary screen has room for, frame and all, and nothing of it outside.
+void fit_inside_screen(GLFWwindow* window, int width, int height) {
+  int least_width = 960, least_height = 600;
+  int left = 0, top = 0, wide = 0, high = 0;
+  if (GLFWmonitor* screen = glfwGetPrimaryMonitor(); screen != nullptr)
+    glfwGetMonitorWorkarea(screen, &left, &top, &wide, &high);
+  if (wide > 0 && high > 0) {
+    std::array<int, 4> frame{};  // left, top, right, bottom
+    glfwGetWindowFrameSize(window, &frame[0], &frame[1], &frame[2], &frame[3]);
+    left += frame[0], top += frame[1];
+    wide = std::max(1, wide - frame[0] - frame[2]), high = std::max(1, high - frame[1] - frame[3]);
+    least_width = std::min(least_width, wide), least_height = std::min(least_height, high);
+    width = std::min(width, wide), height = std::min(height, high);
+    int x = 0, y = 0;
+    glfwGetWindowPos(window, &x, &y);
+    glfwSetWindowSize(window, width, height);
+    glfwSetWindowPos(window, std::clamp(x, left, left + wide - width),
+                     std::clamp(y, top, top + high - height));
+  }
+  glfwSetWindowSizeLimits(window, least_width, least_height, GLFW_DONT_CARE, GLFW_DONT_CARE);
+}
 
 }  // namespace
 
@@ -108,7 +131,7 @@ Window::Window(const std::string& title, int width, int height, double panel_wid
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   inside_->window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (inside_->window == nullptr) throw std::runtime_error("no window with OpenGL 3.3");
-  glfwSetWindowSizeLimits(inside_->window, 960, 600, GLFW_DONT_CARE, GLFW_DONT_CARE);
+  fit_inside_screen(inside_->window, width, height);
   glfwSetWindowUserPointer(inside_->window, inside_.get());
   glfwMakeContextCurrent(inside_->window);
   glfwSwapInterval(1);

@@ -24,6 +24,7 @@ class Window {
     bool log = false, whole = false;
   };
 
+  /// As large as given, or as the screen has room for.
   /// Throws std::runtime_error: "no display" where there is none, or what OpenGL lacks.
   Window(const std::string& title, int width, int height, double panel_width, const Theme& theme);
   ~Window();

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "parabola/exact.hpp"
+#include "parabola/implicit_bead.hpp"
 
 namespace parabola {
 
@@ -42,9 +43,13 @@ void draw_track(draw::Canvas& canvas, const Scene& scene, const draw::View& view
   canvas.curve(points, canvas.theme().track, 2.4);
 }
 
-void draw_bead(draw::Canvas& canvas, const Eigen::Vector2d& x, double presence) {
+void draw_bead(draw::Canvas& canvas, const Scene& scene, const Eigen::Vector2d& x,
+               double presence) {
   canvas.bead(point(x), 7.0, canvas.theme().body.faded(presence),
               canvas.theme().body_edge.faded(presence));
+  Eigen::Vector2d foot = x, v = Eigen::Vector2d::Zero();
+  ImplicitBead(scene).project(foot, v);
+  canvas.gap(point(foot), point(x));
 }
 
 }  // namespace parabola

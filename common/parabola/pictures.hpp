@@ -22,8 +22,10 @@ draw::View view(const Scene& scene, const Extent& extent, double above, double b
 /// The curve itself, over the whole width of the view.
 void draw_track(draw::Canvas& canvas, const Scene& scene, const draw::View& view);
 
-/// The bead, 7 points in radius; `presence` below 1 makes it a ghost.
-void draw_bead(draw::Canvas& canvas, const Eigen::Vector2d& x, double presence = 1.0);
+/// The bead, 7 points in radius, and the gap where it is off the curve; `presence` below 1 makes it
+/// a ghost.
+void draw_bead(draw::Canvas& canvas, const Scene& scene, const Eigen::Vector2d& x,
+               double presence = 1.0);
 
 inline draw::Point point(const Eigen::Vector2d& x) { return {x.x(), x.y()}; }
 

@@ -18,6 +18,12 @@ struct Scene {
     return {x0 * L, mass * m, gravity * L / (T * T), p * L, force_x * m * L / (T * T)};
   }
 
+  /// A bound of how fast the tangent at the bead turns [rad/s]: its speed from x0 down to the
+  /// bottom, over the radius there; at rest, a swing about the bottom.
+  double fastest() const {
+    return std::sqrt(applied_force().norm() / (mass * p)) * std::hypot(1.0, x0 / p);
+  }
+
   double height(double x) const { return -x * x / (2.0 * p); }
 
   /// The applied force: weight and horizontal force [N].

@@ -27,6 +27,10 @@ struct Chapter {
   bool has_constraints = true;        ///< false: nothing to stabilize, and no such options
   std::string constraint_unit = "m";  ///< of C
 
+  /// The fastest turning [rad/s] that the scene can come to as its parameters stand. Empty: every
+  /// scene bears the default step.
+  std::function<double()> fastest;
+
   /// The scene at t = 0 under a method.
   measure::Start start;
 
@@ -52,6 +56,10 @@ struct Chapter {
   /// The scene at its start, ready to move and to be looked at.
   std::function<std::unique_ptr<Stage>(const RunOptions&)> stage;
 };
+
+/// The step [s] where none is given: the chapter's own, or a tenth of a radian of a scene that
+/// turns faster, but a million steps at most in `duration` seconds.
+double default_step(const Chapter& chapter, double duration);
 
 /// The program of a chapter: `run`, `snapshot`, `report`, `stability`. Returns the exit status: 0
 /// on success, 2 on unusable arguments, 1 when the work could not be finished; both with one line

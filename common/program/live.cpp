@@ -68,6 +68,8 @@ Window::Span span_of(const Parameter& parameter) {
   return {std::max(low, -most), most, false, only_whole};
 }
 
+Window::Span span_of_step(double step) { return {step / 100.0, 20.0 * step, true}; }
+
 /// Where the controls stand in the panel: rows of a name at the left and what is moved beside it.
 class Layout {
  public:
@@ -148,11 +150,12 @@ std::unique_ptr<Window> open_window(const std::string& title) {
 
 class Live {
  public:
-  Live(const Chapter& chapter, const RunOptions& run)
+  Live(const Chapter& chapter, const RunOptions& run, bool step_given)
       : chapter_(chapter),
         run_(run),
         kept_run_(run),
-        step_span_{run.step / 100.0, 20.0 * run.step, true},
+        step_given_(step_given),
+        step_span_(span_of_step(run.step)),
         stage_(chapter.stage(run)),
         window_(open_window(chapter.title)),
         layout_(chapter) {
@@ -257,6 +260,10 @@ class Live {
     const bool feedback = run_.method.stabilization == measure::Stabilization::feedback;
     run_.method.ks = feedback ? ks_ : 0.0;
     run_.method.kd = feedback ? kd_ : 0.0;
+    if (!step_given_) {
+      run_.step = default_step(chapter_, run_.duration);
+      step_span_ = span_of_step(run_.step);
+    }
     std::string message;
     try {
       auto stage = chapter_.stage(run_);
@@ -335,7 +342,10 @@ class Live {
     if (window_->button(layout_["reset"], "reset")) reset();
     slider("speed", speed_, {0.01, 10.0, true}, "×", {0.01, 1000.0}, [] {});
     for (std::size_t i = 0; i < chapter_.parameters.size(); ++i) parameter(i);
-    slider("step", run_.step, step_span_, "s", positive, [this] { make_stage(true); });
+    slider("step", run_.step, step_span_, "s", positive, [this] {
+      step_given_ = true;
+      make_stage(true);
+    });
     methods();
     toggle("forces", show_.forces);
     toggle("trail", show_.trail);
@@ -450,6 +460,7 @@ class Live {
   double ks_ = 100.0, kd_ = 20.0;    ///< for when there is feedback
   std::vector<double> kept_, last_;  ///< the parameters of the stage, and their last values but 0
   std::vector<Window::Span> spans_;
+  bool step_given_;  ///< else it follows the parameters
   Window::Span step_span_;
   std::unique_ptr<Stage> stage_;
   std::unique_ptr<Window> window_;
@@ -466,8 +477,8 @@ class Live {
   double stepping_ = 0.0;                  ///< processor time of the steps [s]
 };
 
-void show(const Chapter& chapter, const RunOptions& run, bool controls) {
-  Live scene(chapter, run);
+void show(const Chapter& chapter, const RunOptions& run, bool step_given, bool controls) {
+  Live scene(chapter, run, step_given);
   if (controls) scene.print_controls();
   scene.loop();
 }

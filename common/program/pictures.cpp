@@ -24,6 +24,12 @@ std::string figure(double value, int digits) {
   return scientific.substr(0, e) + "·10" + power;
 }
 
+std::string rounded(double value, int decimals) {
+  const double size = std::abs(value);
+  const bool plain = value == 0.0 || (size >= 0.5 * std::pow(10.0, -decimals) && size < 1e4);
+  return plain ? fmt::format("{:.{}f}", value, decimals) : figure(value, 3);
+}
+
 namespace {
 
 /// An integrator has a colour, a stabilization a dash.

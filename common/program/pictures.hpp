@@ -22,6 +22,10 @@ struct Picture {
 /// A number for a caption, in as many significant digits: "0.0064", "210", "7·10⁻⁶".
 std::string figure(double value, int digits = 2);
 
+/// A number for a label, in hundredths (or other decimals) where they are few digits and not all
+/// zeros, else as a figure of three digits: "9.81", "2.26·10¹⁵".
+std::string rounded(double value, int decimals = 2);
+
 /// Error of the first quantity against processor time, a curve a method, with lines of the
 /// theoretical orders through each method's own points.
 Picture error_picture(const Report& report);

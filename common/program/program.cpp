@@ -42,6 +42,7 @@ struct Request {
   RunOptions run;
   bool integrator_given = false, step_given = false;
   std::optional<measure::Stabilization> stabilization;
+  measure::Stabilization unless_given = measure::Stabilization::none;
   std::optional<double> ks, kd, tolerance;
   bool strict = false;
   std::string out = ".";
@@ -88,7 +89,8 @@ void add_scene(CLI::App& app, const Chapter& chapter) {
         ->group("Scene");
 }
 
-void add_method(CLI::App& app, const Chapter& chapter, Request& request) {
+void add_method(CLI::App& app, const Chapter& chapter, Request& request,
+                std::string_view usual = "none") {
   app.add_option_function<std::string>(
          "--integrator",
          [&request](const std::string& text) {
@@ -115,7 +117,9 @@ void add_method(CLI::App& app, const Chapter& chapter, Request& request) {
                static_cast<measure::Stabilization>(found - stabilizations.begin());
          },
          chapter.has_constraints
-             ? "none, feedback, projection (default none; feedback when --ks or --kd is given)"
+             ? fmt::format("none, feedback, projection (default {}; feedback when --ks or --kd is "
+                           "given)",
+                           usual)
              : "none: this scene has no constraint to stabilize")
       ->type_name("NAME")
       ->group("Method");
@@ -137,18 +141,23 @@ void add_tolerance(CLI::App& app, Request& request) {
       ->group("Method");
 }
 
+/// What the default step is good for.
+std::string step_help(const Chapter& chapter) {
+  return fmt::format(
+      "step of the integrator (default {:g}{}: keeps the energy to 1 % over {:g} s{})",
+      chapter.defaults.step, chapter.fastest ? ", less in a faster scene" : "",
+      chapter.defaults.duration, chapter.has_constraints ? ", with projection" : "");
+}
+
 void add_times(CLI::App& app, Request& request, const std::string& step_help) {
   add_number(app, "--duration", "s",
              fmt::format("time simulated (default {:g})", request.run.duration), positive,
              [&request](double s) { request.run.duration = s; })
       ->group("Method");
-  add_number(app, "--step", "s", fmt::format("{} (default {:g})", step_help, request.run.step),
-             positive,
-             [&request](double s) {
-               request.run.step = s;
-               request.step_given = true;
-             })
-      ->group("Method");
+  add_number(app, "--step", "s", step_help, positive, [&request](double s) {
+    request.run.step = s;
+    request.step_given = true;
+  })->group("Method");
 }
 
 void add_strict(CLI::App& app, Request& request) {
@@ -246,8 +255,10 @@ void add_page(CLI::App& app, Request& request) {
 void settle(Request& request) {
   RunOptions& run = request.run;
   const bool gains = request.ks.value_or(0.0) > 0.0 || request.kd.value_or(0.0) > 0.0;
-  run.method.stabilization = request.stabilization.value_or(gains ? measure::Stabilization::feedback
-                                                                  : measure::Stabilization::none);
+  const measure::Stabilization usual =
+      request.ks || request.kd ? measure::Stabilization::none : request.unless_given;
+  run.method.stabilization =
+      request.stabilization.value_or(gains ? measure::Stabilization::feedback : usual);
   if (run.method.stabilization == measure::Stabilization::feedback) {
     run.method.ks = request.ks.value_or(request.kd ? *request.kd * *request.kd / 4.0 : 100.0);
     run.method.kd = request.kd.value_or(2.0 * std::sqrt(run.method.ks));
@@ -633,10 +644,10 @@ void snapshot_command(const Chapter& chapter, const Request& request) {
   take(request.snapshot, chapter, request.run, remark(verdict), request.out);
 }
 
-#ifdef TUTORIAL_WINDOW
 constexpr const char* window_help =
     R"(Keys: space runs and pauses (the window opens at rest), right arrow or s takes one
-step, r goes back to the start (and runs on, if it ran), Escape closes.
+step, r goes back to the start (and runs on, if it ran), Escape closes. Unless you choose
+otherwise the window starts with projection, and with a step that follows the scene.
 
 At the right stand the speed, the scene's parameters, the step, the integrator, the
 stabilization and its gains, and what is shown besides the bodies: constraint forces,
@@ -647,11 +658,11 @@ slider's value, and Enter takes it.
 Drag a body with the mouse: it follows through a soft, damped spring, whose force
 stands beside the pointer. Below the scene run the energy error and the constraint
 error. The simulated time follows the wall clock, at a speed of 1, whatever the frame
-rate; where it cannot, or where a run diverges, the window says so.
+rate; where it cannot, or where a run diverges or is far from right, the window says
+so. A joint that has opened is drawn with its gap, in red.
 
 Each action is a line on standard output with its time, and closing adds what a frame
 and a step took. Without a display there is the command snapshot.)";
-#endif
 
 /// "--force-x -5" reads as an option and an option; joined as "--force-x=-5" it reads as meant.
 std::vector<std::string> join_negative_numbers(int argc, char** argv) {
@@ -680,6 +691,13 @@ std::string one_line(std::string text) {
 
 }  // namespace
 
+double default_step(const Chapter& chapter, double duration) {
+  constexpr double angle = 0.1, most = 1e6;  // rad a step, steps
+  const double step = chapter.defaults.step;
+  if (!chapter.fastest) return step;
+  return std::min(step, std::max(angle / chapter.fastest(), duration / most));
+}
+
 int run_chapter(int argc, char** argv, const Chapter& chapter) {
   open_standard_streams();
   Request request;
@@ -697,7 +715,7 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
   add_scene(*run, chapter);
   add_method(*run, chapter, request);
   add_tolerance(*run, request);
-  add_times(*run, request, "step of the integrator");
+  add_times(*run, request, step_help(chapter));
   run->add_option_function<std::string>(
          "--csv",
          [&request](const std::string& name) {
@@ -714,7 +732,11 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
       positive, [&](double s) { request.run.every = s; })
       ->group("Output");
   add_strict(*run, request);
+  const auto settle_step = [&] {
+    if (!request.step_given) request.run.step = default_step(chapter, request.run.duration);
+  };
   run->callback([&] {
+    settle_step();
     settle(request);
     run_command(chapter, request);
   });
@@ -724,10 +746,11 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
     add_scene(*snapshot, chapter);
     add_method(*snapshot, chapter, request);
     add_tolerance(*snapshot, request);
-    add_times(*snapshot, request, "step of the integrator");
+    add_times(*snapshot, request, step_help(chapter));
     add_page(*snapshot, request);
     add_strict(*snapshot, request);
     snapshot->callback([&] {
+      settle_step();
       settle(request);
       snapshot_command(chapter, request);
     });
@@ -739,15 +762,17 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
         "live",
         "the scene in a window: space runs and pauses, right arrow or s takes a step, r goes back");
     add_scene(*window, chapter);
-    add_method(*window, chapter, request);
-    add_times(*window, request, "step of the integrator");
+    add_method(*window, chapter, request, "projection");
+    add_times(*window, request, step_help(chapter));
     window->add_flag("--controls", controls, "prints where each control stands, for scripts")
         ->group("Output");
     window->footer(window_help);
     window->callback([&] {
+      settle_step();
+      if (chapter.has_constraints) request.unless_given = measure::Stabilization::projection;
       settle(request);
       warn_of_gains(request.run);
-      live(chapter, request.run, controls);
+      live(chapter, request.run, request.step_given, controls);
     });
   }
 
@@ -757,7 +782,9 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
   add_method(*report, chapter, ladder_request);
   add_tolerance(*report, ladder_request);
   add_times(*report, ladder_request,
-            "coarsest step, halved from row to row; three times as long for dop853");
+            fmt::format("coarsest step, halved from row to row; three times as long for dop853 "
+                        "(default {:g})",
+                        chapter.ladder.coarsest));
   add_out(*report, ladder_request);
   report->callback([&] {
     settle(ladder_request);

@@ -152,7 +152,7 @@ void Stage::draw_spring(draw::Pen& pen) const {
   pen.line(from, to, color, 1.6, draw::Dash::dashed);
   pen.circle(from, 3.0, color);
   const std::string pull =
-      fmt::format("pull {:.2f} N", draw::length(spring_force(spring_->thing, r, rdot)));
+      fmt::format("pull {} N", rounded(draw::length(spring_force(spring_->thing, r, rdot))));
   const bool left = to.x > lens.area.center().x;  // where there is room
   pen.text(to + draw::Point{left ? -14.0 : 14.0, -14.0}, pull, color, draw::Font::text,
            left ? draw::Align::right : draw::Align::left, true);
