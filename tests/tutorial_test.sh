@@ -36,7 +36,7 @@ player cmake <<'SH'
 case $1 in
   --version) echo "cmake version $(cat "$T/version")" ;;
   --preset)
-    [ ! -e "$T/broken" ] || { echo "-- on the way"; echo "CMake Error at CMakeLists.txt:1: no such thing"; exit 1; }
+    [ ! -e "$T/broken" ] || { echo "-- on the way"; echo "CMake Error at CMakeLists.txt:1: $(cat "$T/broken")"; exit 1; }
     ! grep -q HOME build/CMakeCache.txt 2>/dev/null || grep -qx "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD" build/CMakeCache.txt ||
       { echo "CMake Error: The current CMakeCache.txt directory is different"; exit 1; }
     mkdir -p build/CMakeFiles build/bin
@@ -130,10 +130,12 @@ wait
 echo 0 >"$T/seconds"
 
 # What goes wrong says why.
-touch "$T/broken"
+echo "no such command" >"$T/broken"
 expect 1 "CMake Error at CMakeLists.txt:1" ./tutorial run 1
 said=$(./tutorial run 1 2>&1 || true)
 case $said in *Debian* | *'on the way'*) expect 1 "CMake's error alone" ./tutorial run 1 ;; esac
+echo "Could not find a package configuration file provided by Eigen3" >"$T/broken"
+expect 1 "needed is what these Debian packages hold: g++" ./tutorial run 1
 rm "$T/broken"
 touch "$T/errors"
 expect 1 "the build failed; all of it is in $T/home/build/build.log" ./tutorial run 1
@@ -144,6 +146,11 @@ touch "$T/bare"
 player id <<<'#!/bin/sh
 echo 1000'
 expect 1 "as root: apt-get update && apt-get install --no-install-recommends g++" ./tutorial run 1
+player sudo <<'SH'
+#!/bin/sh
+[ "$1" = -v ] || exec "$@"
+SH
+expect 1 "Temporary failure resolving" ./tutorial run 1
 player id <<<'#!/bin/sh
 echo 0'
 expect 1 "Temporary failure resolving" ./tutorial run 1
