@@ -134,11 +134,34 @@ TEST_CASE("help names every option with its unit and exits with 0") {
     CHECK(run.status == 0);
     for (const char* option :
          {"--duration [s]", "--step [s]", "--integrator", "--stabilization", "--ks [1/s^2]",
-          "--kd [1/s]", "--tolerance", "--every [s]", "--csv FILE"}) {
+          "--kd [1/s]", "--tolerance", "--every [s]", "--csv FILE", "keeps the energy to 1 %"}) {
       INFO(option);
       CHECK(holds(run.out, option));
     }
     CHECK(run.err.empty());
+  }
+}
+
+TEST_CASE("without --step a run keeps its energy to 1 %, in a faster scene too") {
+  struct Run {
+    const char *chapter, *options;
+    double energy;  ///< that becomes motion, at least [J]
+  };
+  for (const auto& [chapter, options, energy] :
+       {Run{"01_particle_on_curve_implicit", "--p 1 --x0 40", 9.81 * 800.0},  // m g x0²/2p
+        Run{"02_parametric_lagrangian", "--p 1 --x0 40", 9.81 * 800.0},
+        Run{"03_global_jacobian_solver", "--p 2", 9.81 * 100.0},  // bead1 falls x1²/2p
+        Run{"05_revolute", "--links 20", 9.81 / 2.0},             // M g L/2
+        Run{"05_revolute", "--length 0.01 --gravity 1000", 5.0},
+        Run{"06_prismatic", "--spin 1000", 0.5e6},          // of the rail, 1 kg·m²
+        Run{"07_slider_crank", "--omega0 500", 0.02e6}}) {  // of the wheel, 0.16 kg·m²
+    const std::string method = chapter[1] == '2' ? "" : " --stabilization projection";
+    const std::string command = fmt::format("{} run {}{}", program(chapter), options, method);
+    INFO(command);
+    const std::string out = shell(command).out, name = "energy error";
+    INFO(out);
+    REQUIRE(holds(out, name));
+    CHECK(std::stod(out.substr(out.find(name) + name.size())) < 0.01 * energy);
   }
 }
 
