@@ -193,6 +193,9 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
 
 Picture jacobian_picture(const Scene& scene) {
   program::Mechanism mechanism = make_mechanism(scene, {});
+  Eigen::VectorXd a;
+  mechanism.acceleration(0.0, mechanism.initial_position(), mechanism.initial_velocity(), a);
+  const int blocks = mechanism.system.counts().jacobian_blocks;
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Matrix J = mechanism.system.jacobian(mechanism.initial_position());
   const Matrix K = J * mechanism.system.W().asDiagonal() * J.transpose();
@@ -208,7 +211,7 @@ Picture jacobian_picture(const Scene& scene) {
   const std::string caption = fmt::format(
       "{} of 6 blocks of J are there; the others are zero and have no storage. A bead is a "
       "particle: no column for an angle. The two curves share no bead, so J W Jᵀ is blank there.",
-      mechanism.system.counts().jacobian_blocks);
+      blocks);
   return {"jacobian", [=](draw::Pen& pen) {
             const draw::Rect content = draw::page(
                 pen, "The global J: a row for each constraint, columns for each bead", caption);
