@@ -31,7 +31,9 @@ int check_orders(const measure::Ladder& ladder, const measure::Start& start,
 }
 
 /// The same between two runs only, of `steps` steps and of twice as many: an order of 8 falls from
-/// where theory begins to hold down to rounding within two or three halvings of the step.
+/// where theory begins to hold down to rounding within two or three halvings of the step. In
+/// between the terms of higher order and the rounding, which a fused multiply-add changes, leave up
+/// to 0.27; 0.4 still tells it from the orders beside it.
 inline void check_order(const measure::Method& method, double duration, long steps,
                         const measure::Start& start, const measure::Errors& errors) {
   const auto run = [&](long n) {
@@ -43,6 +45,6 @@ inline void check_order(const measure::Method& method, double duration, long ste
   for (std::size_t k = 0; k < fine.size(); ++k) {
     INFO(method.label() << ", " << 2 * steps << " steps, quantity " << k << ", error " << fine[k]);
     CHECK(std::log2(coarse[k] / fine[k]) ==
-          Approx(integrators::method(method.integrator).order).margin(0.15));
+          Approx(integrators::method(method.integrator).order).margin(0.4));
   }
 }

@@ -259,8 +259,8 @@ TEST_CASE("position, velocity and constraint force converge with the order of th
                          return rung.errors[k] > (k == 2 ? 1e-11 : 1e-10) && rung.step < 0.01;
                        }) > 60);
     if (force_x != 0.0) continue;
-    check_order({dop853}, 6.0, 40, start, errors);
-    check_order({dop853, Stabilization::projection}, 6.0, 36, start, errors);
+    check_order({dop853}, 6.0, 32, start, errors);
+    check_order({dop853, Stabilization::projection}, 6.0, 30, start, errors);
   }
 }
 
