@@ -126,7 +126,7 @@ struct Stiffening : Mechanism {
 
 }  // namespace
 
-TEST_CASE("a tolerance whose steps collapse ends the run; one that takes many evenly does not") {
+TEST_CASE("a tolerance whose steps collapse ends the run, one that takes many evenly does not") {
   const Method method{Name::dop853, Stabilization::none, 0.0, 0.0, 1e-6};
   const auto run = [&](double stiff) -> std::string {
     Mechanism free = rod({}, false);

@@ -115,7 +115,7 @@ TEST_CASE("opening: the way that brings a point back, whatever the joint and the
   CHECK(held.opening(Eigen::Vector3d(0.0, 0.0, 0.1)) == Approx(0.05).epsilon(1e-12));
 }
 
-TEST_CASE("a torn pendulum says so, the same in all units; a right one says nothing") {
+TEST_CASE("a torn pendulum says so, the same in all units, and a right one says nothing") {
   for (const Units& u : {Units{}, Units{1e6, 1e3, 1e2}, Units{1e-6, 1e-9, 1e-3}}) {
     CAPTURE(u.L);
     Motion coarse(pendulum({}, u), {});
@@ -172,7 +172,7 @@ TEST_CASE("an error against the exact answer counts in parts of the scene's size
   CHECK_FALSE(measure::judge(watch, radians, {0.045}).right());
 }
 
-TEST_CASE("at rest rounding is no energy error; an open start is none that is taken away") {
+TEST_CASE("at rest rounding is no energy error, an open start is none that is taken away") {
   const Method none{};
   Motion rest(plate(none, 0.0), none);
   CHECK(run(rest, 500, 0.01).right());
@@ -186,7 +186,7 @@ TEST_CASE("at rest rounding is no energy error; an open start is none that is ta
   }
 }
 
-TEST_CASE("feedback that theory calls stable runs, however high it swings; what grows is stopped") {
+TEST_CASE("feedback that theory calls stable runs, however high it swings, what grows is stopped") {
   constexpr double h = 0.01, start = 1e-6;
   for (const Name name :
        {Name::explicit_euler, Name::semi_implicit_euler, Name::rk4, Name::dop853})

@@ -55,7 +55,11 @@ class ParametricBead {
             .kinetic = scene_.kinetic(v),
             .drive = scene_.drive()};
   }
-  void cover(double q, measure::Reach& reach) const { reach.cover(x(q).x(), x(q).y()); }
+  /// The bead and the bottom of its valley.
+  void cover(double q, measure::Reach& reach) const {
+    reach.cover(0.0, 0.0);
+    reach.cover(x(q).x(), x(q).y());
+  }
   double free_acceleration() const { return scene_.applied_force().norm() / scene_.mass; }
   std::string culprit(double, double q, double qdot) const {
     return fmt::format("q = {:.2g} m, q̇ = {:.2g} m/s", q, qdot);

@@ -66,11 +66,11 @@ inline program::Stability stability() {
        error(place, off, feedback(Name::rk4, 1, 1000), 2500, 0.002)},
       {"ks = 1e10 1/s², implicit_midpoint", "place, m", degraded(1e-9, 1e-6),
        error(place, off, feedback(Name::implicit_midpoint, 1e10, 2e5), 4000, 0.01)},
-      {"ks = 1e10 1/s², rk4", "", refused("kinetic energy"),
+      {"ks = 1e10 1/s², rk4", "", refused("the constraint error"),
        error(place, off, feedback(Name::rk4, 1e10, 2e5), 500, 0.01)},
       {"critical, h√ks = 2.78, below the limit", "place, m", accurate(1e-6),
        error(place, off, feedback(Name::rk4, 2.78 * 2.78, 2 * 2.78), 20000, 1.0)},
-      {"critical, h√ks = 2.79, above the limit", "", refused("kinetic energy"),
+      {"critical, h√ks = 2.79, above the limit", "", refused("the constraint error"),
        error(place, off, feedback(Name::rk4, 2.79 * 2.79, 2 * 2.79), 20000, 1.0)},
       {"held twice: the second joint adds nothing", "place, m", accurate(1e-12),
        [=] {

@@ -141,7 +141,8 @@ Verdict::Fault Watch::fault(const char* what, const std::string& which, double v
                             const char* unit, double part, double since) const {
   const char* whole =
       std::string_view(what) == "energy" ? "of the largest kinetic energy" : "of the scene's size";
-  std::string words = which + " " + said(value, unit) + ", " + percent(part) + " " + whole;
+  std::string words = which + " " + said(value, unit);
+  if (std::isfinite(part)) words += ", " + percent(part) + " " + whole;  // else nothing moved
   if (std::isfinite(since)) words += " (above 1 % since t = " + said(since, "s") + ")";
   return {what, words};
 }
@@ -149,10 +150,11 @@ Verdict::Fault Watch::fault(const char* what, const std::string& which, double v
 Verdict Watch::verdict(double position_error, double angle_error) const {
   constexpr double at_the_end = std::numeric_limits<double>::infinity();
   Verdict verdict;
-  const double size = reach_.size();
-  if (const double opening = opening_.most(); opening > far * size)
+  const double size = reach_.size(),
+               far_off = std::max(far * size, rounding_of_a_run * reach_.furthest());
+  if (const double opening = opening_.most(); opening > far_off)
     verdict.faults.push_back(fault("joints", "joints are open by", opening, "m", opening / size,
-                                   opening_.since(far * size)));
+                                   opening_.since(far_off)));
   const double energy = energy_.most(),
                allowed = std::max(far * largest_kinetic_, energy_rounding());
   const bool feedback = simulation_.method().stabilization == Stabilization::feedback;
@@ -160,7 +162,7 @@ Verdict Watch::verdict(double position_error, double angle_error) const {
     verdict.faults.push_back(fault("energy", "the energy balance is off by", energy, "J",
                                    energy / largest_kinetic_, energy_.since(allowed)));
   const double error = std::max(position_error, angle_error * reach_.largest_radius());
-  if (error > far * size)
+  if (error > far_off)
     verdict.faults.push_back(
         fault("position", "the position is off by", error, "m", error / size, at_the_end));
   if (simulation_.method().tolerance > 0.0)

@@ -76,7 +76,11 @@ class ImplicitBead {
             .opening = std::abs(C(x)) / gradient(x).norm(),
             .drive = scene_.drive()};
   }
-  void cover(const Vector& x, measure::Reach& reach) const { reach.cover(x.x(), x.y()); }
+  /// The bead and the bottom of its valley.
+  void cover(const Vector& x, measure::Reach& reach) const {
+    reach.cover(0.0, 0.0);
+    reach.cover(x.x(), x.y());
+  }
   double free_acceleration() const { return F_.norm() / scene_.mass; }
   std::string culprit(double, const Vector& x, const Vector&) const {
     return fmt::format("the curve is off by C = {:.2g} m²", C(x));

@@ -4,6 +4,9 @@
 //   none in what they print or write; no file left behind by a run that did not end well; an end,
 //   in at most a minute of processor time.
 //
+// With --coarse the command lines are runs with coarse steps, and what is checked is that those
+// that are far from right say so (coarse.cpp).
+//
 // All in one process, so that a hundred thousand take minutes even under the sanitizers. inputs.cpp
 // makes the command lines; a program's own --help says which options there are.
 
@@ -28,6 +31,7 @@
 #include <string>
 #include <vector>
 
+#include "coarse.hpp"
 #include "inputs.hpp"
 
 // A sanitizer that finds something ends in SIGABRT, so that what ran can be said.
@@ -243,6 +247,7 @@ std::string check(const fuzz::Input& input, const Result& result) {
 struct Request {
   std::uint64_t seed = 1, from = 0, inputs = 1000;
   std::size_t chapter = 0;
+  bool coarse = false;
   double seconds = 60.0;
 };
 
@@ -267,12 +272,36 @@ class Fuzzer {
   }
 
   std::string summary() const {
-    return fmt::format("{} inputs, {} failures: {} ran, {} stopped, {} refused\n", request_.inputs,
-                       failures_, ended_[0], ended_[1], ended_[2]);
+    std::string text = fmt::format("{} inputs, {} failures: {} ran, {} stopped, {} refused",
+                                   request_.inputs, failures_, ended_[0], ended_[1], ended_[2]);
+    if (request_.coarse) text += fmt::format("; {} warned", warned_);
+    return text + "\n";
   }
 
  private:
+  void one_coarse(std::uint64_t index) {
+    const fuzz::Coarse coarse = fuzz::make_coarse(request_.seed, index);
+    const Program& program = programs[coarse.chapter];
+    std::string line = program.name;
+    for (const std::string& argument : coarse.arguments) line += ' ' + argument;
+    remember(fmt::format("{}\n  fuzz --coarse --seed {} --only {}", line, request_.seed, index));
+    const Result result = call(program, coarse.arguments, request_.seconds);
+    ++ended_[static_cast<std::size_t>(result.status)];
+    warned_ += result.err.find("warning: ") != std::string::npos;
+    if (result.status != 0) return;
+    std::vector<std::string> with_table = coarse.arguments;
+    with_table.insert(with_table.end(), {"--csv", "-"});
+    const std::string table = call(program, with_table, request_.seconds).out;
+    const std::string wrong =
+        fuzz::check_coarse(coarse, {result.status, result.out, result.err, table});
+    if (wrong.empty()) return;
+    ++failures_;
+    say_what_ran(wrong.c_str());
+    say("  " + result.err + "\n");
+  }
+
   void one(std::uint64_t index) {
+    if (request_.coarse) return one_coarse(index);
     const std::size_t chapter = request_.chapter != 0
                                     ? request_.chapter - 1
                                     : fuzz::choose(request_.seed, index, programs.size());
@@ -303,7 +332,7 @@ class Fuzzer {
   }
 
   Request request_;
-  std::uint64_t failures_ = 0;
+  std::uint64_t failures_ = 0, warned_ = 0;
   std::array<std::uint64_t, 3> ended_{};
 };
 
@@ -333,6 +362,8 @@ int main(int argc, char** argv) {
   app.add_option("--inputs", request.inputs, "how many (default 1000)");
   app.add_option("--from", request.from, "the first of them (default 0)");
   app.add_option("--only", only, "this one alone");
+  app.add_flag("--coarse", request.coarse,
+               "runs with coarse steps: whether they say what they are");
   app.add_option("--chapter", request.chapter, "of one chapter (default: all of them)")
       ->check(CLI::Range(std::size_t{1}, programs.size()));
   app.add_option("--seconds", request.seconds, "of processor time for an input (default 60)")
