@@ -193,9 +193,7 @@ class Motion final : public Simulation {
       const double end = t_anchor_ + static_cast<double>(++intervals_since_anchor_) * h;
       const long steps_before = steps_;
       for (double rest = h; rest > 0.0;) {
-        const double taken = take_step(acceleration, rest);
-        if (taken < rest) shortest_step_ = std::min(shortest_step_, taken);
-        rest -= taken;
+        rest -= take_step(acceleration, rest);
         if constexpr (requires { model_.project(q_, v_); })
           if (projected()) model_.project(q_, v_);
         t_ = end - rest;
@@ -290,7 +288,9 @@ class Motion final : public Simulation {
   double take_step(Acceleration& acceleration, double h) {
     ++steps_;
     try {
-      return integrator_.step(acceleration, t_, q_, v_, h);
+      const double taken = integrator_.step(acceleration, t_, q_, v_, h);
+      if (taken < h) shortest_step_ = std::min(shortest_step_, taken);
+      return taken;
     } catch (const integrators::NoStep& reason) {
       throw Diverged(at(t_) + reason.what(),
                      method_.tolerance > 0.0 ? Trouble::tolerance : Trouble::wrong);

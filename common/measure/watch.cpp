@@ -119,12 +119,12 @@ void Watch::look(const Measures& now) {
   speed_ += (t - t_) * std::max(last_.drive, now.drive);
   t_ = t;
   last_ = now;
+  stop_unstable_feedback();
   const double most = 0.5 * speed_ * speed_;
   if (!(now.kinetic <= 2.0 * most))
     throw Diverged(at(t) + "the kinetic energy is " + said(now.kinetic, "J") +
                    ", where its start and the forces can have made at most " + said(most, "J") +
                    "; " + simulation_.culprit());
-  stop_unstable_feedback();
   simulation_.cover(reach_);
   taken_away_ |= now.opening < far * start_.opening;
   if (taken_away_) opening_.take(t, now.opening - start_.opening);

@@ -223,7 +223,7 @@ std::string remark(const measure::Verdict& verdict) {
 void draw_page(draw::Pen& pen, Stage& stage, const Show& show) {
   std::string caption = stage.caption();
   if (const auto verdict = stage.verdict(); !verdict.right() && pen.remark().empty())
-    caption += " " + remark(verdict);
+    caption.append(" ").append(remark(verdict));
   stage.draw(pen, draw::page(pen, stage.title(), caption), show);
 }
 
