@@ -52,9 +52,9 @@ std::string Verdict::text() const {
 
 std::string Verdict::words() const {
   std::string words;
-  for (const Fault& fault : faults) {
-    if (!words.empty()) words += " and ";
-    words += fault.what;
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    if (i > 0) words += i + 1 < faults.size() ? ", " : " and ";
+    words += faults[i].what;
   }
   return words;
 }

@@ -300,6 +300,7 @@ class Live {
     const double width = window_->pages_width();
     const double height = window_->height() * page_height / (page_height + plots_height);
     draw::Pen page = window_->pen(width, height), all = window_->pen(width, window_->height());
+    show_.verdict = stage_->settled();
     draw_page(page, *stage_, show_);
     const Rect plots{14.0, height, width - 28.0, window_->height() - height - 8.0};
     const double half = 0.5 * (plots.width - 24.0);
@@ -422,7 +423,8 @@ class Live {
     const draw::Theme& theme = draw::theme("light");
     const bool late = playing_ && player_.kept() < 0.95;
     std::string text = message_;
-    if (const auto verdict = stage_->verdict(); text.empty() && !verdict.right())
+    if (const auto verdict = stage_->verdict();
+        text.empty() && stage_->settled() && !verdict.right())
       text = of_controls(fmt::format("far from right: {}; try {}", verdict.text(),
                                      advice(chapter_, run_, verdict.trouble())));
     const bool wrong = message_.empty() && !text.empty();

@@ -641,7 +641,7 @@ void snapshot_command(const Chapter& chapter, const Request& request) {
   if (ahead.run.duration > 0.0)
     verdict = run_to_the_end(chapter, ahead, *chapter.start(ahead.run.method), [](const auto&) {
               }).verdict;
-  take(request.snapshot, chapter, request.run, remark(verdict), request.out);
+  take(request.snapshot, chapter, request.run, verdict, request.out);
 }
 
 constexpr const char* window_help =

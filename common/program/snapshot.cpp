@@ -51,7 +51,7 @@ std::unique_ptr<Stage> stage_up_to(double end, const Chapter& chapter, RunOption
 }
 
 void take_series(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& run,
-                 const std::filesystem::path& out) {
+                 const Show& show, const std::filesystem::path& out) {
   const auto name = [&,
                      digits = std::max<std::size_t>(4, fmt::formatted_size("{}", snapshot.frames))](
                         long frame) { return fmt::format("frame_{:0{}}.png", frame, digits); };
@@ -63,7 +63,8 @@ void take_series(const Snapshot& snapshot, const Chapter& chapter, const RunOpti
           progress_after(static_cast<std::size_t>(i), static_cast<std::size_t>(snapshot.frames)),
           name(i + 1));
       stage->advance_to(static_cast<double>(i) * snapshot.interval());
-      write(out / name(i + 1), snapshot.page, [&](draw::Pen& pen) { draw_page(pen, *stage); });
+      write(out / name(i + 1), snapshot.page,
+            [&](draw::Pen& pen) { draw_page(pen, *stage, show); });
     }
   }
   print(out / name(1));
@@ -159,8 +160,14 @@ void Snapshot::check(const RunOptions& run, double most_steps) const {
 }
 
 void take(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& run,
-          const std::string& remark, const std::filesystem::path& out) {
-  if (snapshot.frames > 0) return take_series(snapshot, chapter, run, out);
+          const measure::Verdict& verdict, const std::filesystem::path& out) {
+  // Of the lesson's pictures some move by methods and steps of their own.
+  const std::string remark =
+      verdict.right()
+          ? ""
+          : fmt::format("With these options the run is far from right: {}.", verdict.words());
+  const Show show{.verdict = !verdict.right()};
+  if (snapshot.frames > 0) return take_series(snapshot, chapter, run, show, out);
   if (snapshot.cells() > 0) return take_sheet(snapshot, chapter, run, remark, out);
   Progress progress;
   std::vector<Picture> pictures;
@@ -171,7 +178,7 @@ void take(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& ru
         fmt::format("simulated to {:g} s", t));
     RunOptions longer = run;
     longer.duration = std::max(run.duration, t);
-    pictures.push_back(picture_at(chapter.stage(longer), t));
+    pictures.push_back(picture_at(chapter.stage(longer), t, show));
   }
   double done = 0.0;
   for (const Picture& picture : pictures) {

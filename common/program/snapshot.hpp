@@ -26,9 +26,9 @@ struct Snapshot {
   void check(const RunOptions& run, double most_steps) const;
 };
 
-/// Writes the pictures into the folder and prints their names. The lesson's say the remark in their
-/// captions; the others judge for themselves how far they have come.
+/// Writes the pictures into the folder and prints their names. Where the run that they show is far
+/// from right, by the verdict of its end, their captions say so.
 void take(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& run,
-          const std::string& remark, const std::filesystem::path& out);
+          const measure::Verdict& verdict, const std::filesystem::path& out);
 
 }  // namespace program

@@ -104,7 +104,7 @@ Stage::Errors Stage::errors_now(std::size_t simulation) const {
 
 measure::Verdict Stage::verdict() const {
   measure::Verdict verdict;
-  if (spring_ || since_count_ < looks_needed) return verdict;
+  if (spring_) return verdict;
   for (const Watched& watched : simulations_)
     for (const auto& fault : watched.watch->verdict().faults) verdict.faults.push_back(fault);
   return verdict;
@@ -216,21 +216,17 @@ void Stage::release() {
   count_from_here();
 }
 
-std::string remark(const measure::Verdict& verdict) {
-  return verdict.right() ? "" : fmt::format("Far from right: {}.", verdict.words());
-}
-
 void draw_page(draw::Pen& pen, Stage& stage, const Show& show) {
   std::string caption = stage.caption();
-  if (const auto verdict = stage.verdict(); !verdict.right() && pen.remark().empty())
-    caption.append(" ").append(remark(verdict));
+  if (const auto verdict = stage.verdict(); show.verdict && !verdict.right())
+    caption += fmt::format(" Far from right: {}.", verdict.words());
   stage.draw(pen, draw::page(pen, stage.title(), caption), show);
 }
 
-Picture picture_at(std::unique_ptr<Stage> stage, double t) {
+Picture picture_at(std::unique_ptr<Stage> stage, double t, const Show& show) {
   stage->advance_to(t);
-  return {fmt::format("at_{}s", t), [stage = std::shared_ptr<Stage>(std::move(stage))](
-                                        draw::Pen& pen) { draw_page(pen, *stage); }};
+  return {fmt::format("at_{}s", t), [stage = std::shared_ptr<Stage>(std::move(stage)),
+                                     show](draw::Pen& pen) { draw_page(pen, *stage, show); }};
 }
 
 }  // namespace program

@@ -22,6 +22,7 @@ struct Show {
   bool trail = true;    ///< where the scene came from
   bool names = false;   ///< of the things
   bool numbers = true;  ///< axes, and the sizes of the forces
+  bool verdict = true;  ///< where the motion so far is far from right, in the caption
 };
 
 /// A scene in motion that can be looked at: in a picture, in a series of them, in a window. Its
@@ -63,6 +64,9 @@ class Stage {
 
   /// What of the motion so far is far from right; nothing while a spring pulls.
   measure::Verdict verdict() const;
+  /// Whether it has moved for so long that its verdict will not change back: from rest, the energy
+  /// error of a method of first order is one part in n of the kinetic energy after n steps.
+  bool settled() const { return since_count_ >= 200; }
 
   /// Shows as much as another stage of the same scene, and its forces in the same scale.
   void show_as(const Stage& other);
@@ -139,9 +143,6 @@ class Stage {
   };
 
   void count_from_here();
-  /// Before so many steps there is no verdict: from rest, the energy error of a method of first
-  /// order is one part in n of the kinetic energy after n steps.
-  static constexpr long looks_needed = 200;
   /// Steps of one length, then a look at what became of it.
   void advance_all(long steps, double h);
   void remember();
@@ -161,13 +162,10 @@ class Stage {
   bool undisturbed_ = true;
 };
 
-/// What a caption says of a run that is far from right; nothing of one that is not.
-std::string remark(const measure::Verdict& verdict);
-
 /// The stage as it is, on a page of its own.
 void draw_page(draw::Pen& pen, Stage& stage, const Show& show = {});
 
 /// The scene at time t [s].
-Picture picture_at(std::unique_ptr<Stage> stage, double t);
+Picture picture_at(std::unique_ptr<Stage> stage, double t, const Show& show = {});
 
 }  // namespace program
