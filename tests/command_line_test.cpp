@@ -317,7 +317,7 @@ TEST_CASE("a full disk: one line, exit status 1, nothing left under the name") {
 }
 
 TEST_CASE(
-    "a run that cannot go on: the time, what failed, what to try; exit status 1 and no file") {
+    "a run that cannot go on: the time, what failed, what to try, exit status 1 and no file") {
   const Folder folder;
   const std::string file = (folder.path / "run.csv").string();
   for (const char* chapter : {"01_particle_on_curve_implicit", "02_parametric_lagrangian"}) {
@@ -333,6 +333,90 @@ TEST_CASE(
   }
 }
 
+TEST_CASE(
+    "a run that is far from right says so, with its table too, and with --strict ends with 1") {
+  struct Torn {
+    const char *command, *what;
+  };
+  const auto run = GENERATE(
+      Torn{"07_slider_crank run --duration 30", "joints are open by "},
+      Torn{"05_revolute run --links 3 --integrator dop853 --tolerance 0.1", "joints are open by "},
+      Torn{"05_revolute run --step 0.5", "the position is off by 8.5 m"},
+      Torn{"05_revolute run --links 10 --step 0.005", "joints are open by "},
+      Torn{"05_revolute run --step 5 --stabilization projection", "the energy balance is off by "},
+      Torn{"01_particle_on_curve_implicit run --integrator semi_implicit_euler --duration 400 "
+           "--step 53.7",
+           "the position is off by "});
+  INFO(run.command);
+  Result result = shell(program(run.command));
+  CHECK(result.status == 0);
+  CHECK(result.err.starts_with("warning: "));
+  CHECK(std::count(result.err.begin(), result.err.end(), '\n') == 1);
+  CHECK(holds(result.err, run.what));
+  CHECK(holds(result.err, "since t = "));
+  CHECK(holds(result.err, "; try "));
+  CHECK(holds(result.out, "far from right: "));
+  const std::string warning = result.err;
+  result = shell(program(run.command) + std::string(" --csv -"));
+  CHECK(result.status == 0);
+  CHECK(result.err == warning);
+  Folder folder;
+  check_refused(
+      fmt::format("cd {} && {} --strict --csv run.csv", folder.path.string(), program(run.command)),
+      run.what, 1);
+  CHECK(fs::is_empty(folder.path));
+}
+
+TEST_CASE("a run that is right says nothing, and --strict lets it pass") {
+  for (const std::string& chapter : chapters()) {
+    INFO(chapter);
+    const Result result = shell(program(chapter) + " run --strict");
+    CHECK(result.status == 0);
+    CHECK(result.err.empty());
+    CHECK_FALSE(holds(result.out, "far from right"));
+  }
+  for (const char* command :
+       {"04_ground run --load 0 --offset-x 0.1",
+        "04_ground run --load 0 --offset-x 0.1 --ks 25 --kd 10",
+        "04_ground run --offset-x 0.1 --offset-theta 1 --stabilization projection",
+        "04_ground run --load 0 --offset-x 1e-3 --ks 72900 --kd 540 --step 0.01 --duration 3",
+        "05_revolute run --integrator dop853 --tolerance 1e-12 --stabilization projection "
+        "--duration 9000",
+        "07_slider_crank run --crank 1 --rod 1 --stabilization projection --duration 20"}) {
+    INFO(command);
+    const Result result = shell(program(command) + std::string(" --strict"));
+    CHECK(result.status == 0);
+    CHECK(result.err.empty());
+    CHECK_FALSE(holds(result.out, "could not bring"));
+  }
+}
+
+TEST_CASE("a tolerance is kept, or it is said that it was not") {
+  // Through singular poses: right to ten times the tolerance, as a part of the state, or told.
+  for (const char* tolerance : {"1e-5", "1e-7", "1e-9", "1e-10", "1e-11", "1e-12", "1e-13"})
+    for (const char* scene : {"--omega0 5 --torque 0 --gravity 0 --duration 6.093825719263892",
+                              "--omega0 5 --duration 3", "--omega0 -7 --torque 0 --duration 4"}) {
+      const std::string command = fmt::format(
+          "{} run --rod 0.3 {} --integrator dop853 --stabilization projection --tolerance {}",
+          program("07_slider_crank"), scene, tolerance);
+      INFO(command);
+      const Result result = shell(command);
+      if (result.status == 1) {
+        CHECK(holds(result.err, "tolerance"));
+        continue;
+      }
+      REQUIRE(result.status == 0);
+      const auto number = [&](const std::string& name) {
+        const std::size_t at = result.out.find("  " + name + " ");
+        REQUIRE(at != std::string::npos);
+        return std::stod(result.out.substr(at + 2 + name.size()));
+      };
+      const double state = std::hypot(number("wheel.theta"), number("rod.theta"));
+      const bool kept = number("wheel angle") < 10.0 * std::stod(tolerance) * state;
+      CHECK((kept || holds(result.err, "was not kept") || holds(result.err, "position is off")));
+    }
+}
+
 TEST_CASE("feedback beyond the limit of the step is warned about once") {
   const std::string p =
       program("01_particle_on_curve_implicit") + " run --duration 0.1 --step 0.01 ";
@@ -344,7 +428,7 @@ TEST_CASE("feedback beyond the limit of the step is warned about once") {
 }
 
 TEST_CASE(
-    "a run that diverges says when, where, by which measure and what to try; its rows stand") {
+    "a run that diverges says when, where, by which measure and what to try, its rows stand") {
   const Result result = shell(program("07_slider_crank") + " run --ks 1e8 --csv -");
   CHECK(result.status == 1);
   for (const char* part : {"stopped at t = 0.00", "kinetic energy", "most of it in ", " row ",

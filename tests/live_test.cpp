@@ -468,6 +468,20 @@ TEST_CASE("what is said to nobody is told at the end") {
                     "/05_revolute live >/dev/full 2>/dev/null; s=$?; kill $!; exit $s") == 0x100);
 }
 
+TEST_CASE("a scene that opens its joints is told, and goes on") {
+  Session session;
+  session.open("05_revolute", {"--links", "6", "--stabilization", "none", "--step", "0.01"});
+  session.key("space");
+  const std::string said = session.await("far from right: ");
+  INFO(said);
+  CHECK(said.find("energy balance is off by") + 1 + said.find("joints are open by") + 1 != 0);
+  CHECK(said.find("stabilization projection") != std::string::npos);
+  CHECK(said.find("--") == std::string::npos);  // options are controls here
+  sleep_for(0.5);
+  CHECK(session.runs());
+  CHECK(session.close() == 0);
+}
+
 TEST_CASE("a run that diverges stands still and says why, until a reset") {
   Session session;
   session.open("07_slider_crank", {"--ks", "1e8"});

@@ -172,11 +172,14 @@ Verdict Watch::verdict(double position_error, double angle_error) const {
 
 void Watch::judge_tolerance(double error, Verdict& verdict) const {
   const double tolerance = simulation_.method().tolerance, size = simulation_.state_size();
-  const double mean = simulation_.time() / static_cast<double>(std::max(1L, simulation_.steps()));
+  const double steps = static_cast<double>(std::max(1L, simulation_.steps())),
+               mean = simulation_.time() / steps;
   const bool collapsed = simulation_.shortest_step() < 1e-3 * mean;
   const double allowed = (collapsed ? 20.0 : 200.0) * tolerance * largest_kinetic_;
   const bool energy_off = energy_.most() > std::max(allowed, energy_rounding());
-  const bool state_off = error > std::max(50.0 * tolerance, rounding_of_a_run) * size;
+  // Where each step's error shifts the energy a little, the phase falls behind as their square.
+  const double grown = tolerance * std::max(50.0, 1e-3 * steps * steps);
+  const bool state_off = error > std::max(grown, rounding_of_a_run) * size;
   if (!energy_off && !state_off) return;
   std::string words = "the tolerance of " + in_digits(tolerance) + " was not kept: ";
   words += energy_off
