@@ -477,7 +477,7 @@ TEST_CASE("the whole scene turned and moved gives turned accelerations") {
   CHECK(relative(acceleration(turned.system, turned.system.initial_q(), v_turned), a) < 1e-12);
 }
 
-TEST_CASE("redundant and singular sets: the motion is right, the rows are named") {
+TEST_CASE("rows given twice and singular sets: the motion is right, the rows are named") {
   const auto check = [](Scene& scene, std::size_t dependent, VectorXd v = {}) {
     const VectorXd q = scene.system.initial_q();
     if (v.size() == 0) v = scene.system.initial_v();

@@ -62,6 +62,7 @@ struct Uses {
 /// What is wrong with a run, as far as it matters for what to try.
 enum class Trouble {
   wrong,      ///< it is not, or no longer, a motion of the scene
+  late,       ///< it is one, at another place than the exact answer
   tolerance,  ///< its tolerance asks for more than can be done
 };
 

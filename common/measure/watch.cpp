@@ -193,8 +193,10 @@ void Watch::judge_tolerance(double error, Verdict& verdict) const {
 }
 
 Trouble Verdict::trouble() const {
-  return !faults.empty() && faults.front().what == "tolerance" ? Trouble::tolerance
-                                                               : Trouble::wrong;
+  const std::string first = faults.empty() ? "" : faults.front().what;
+  return first == "tolerance"  ? Trouble::tolerance
+         : first == "position" ? Trouble::late
+                               : Trouble::wrong;
 }
 
 }  // namespace measure

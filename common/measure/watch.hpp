@@ -33,7 +33,7 @@ struct Verdict {
   std::vector<Fault> faults;
 
   bool right() const { return faults.empty(); }
-  /// Whether it is the tolerance alone, which a larger one might keep.
+  /// What to try depends on: the tolerance alone, or the position alone, or joints and energy.
   Trouble trouble() const;
   std::string text() const;   ///< one line: all clauses
   std::string words() const;  ///< "joints and energy", for a caption or a table

@@ -59,7 +59,8 @@ std::string advice(const Chapter& chapter, const RunOptions& run, measure::Troub
   } else if (run.step > 2.0 * shortest) {
     ways.emplace_back("a smaller --step");
   }
-  if (chapter.has_constraints && method.stabilization != measure::Stabilization::projection)
+  if (chapter.has_constraints && trouble != measure::Trouble::late &&
+      method.stabilization != measure::Stabilization::projection)
     ways.emplace_back(feedback ? "--stabilization projection in place of --ks and --kd"
                                : "--stabilization projection");
   if (method.tolerance == 0.0) ways.emplace_back("another --integrator");

@@ -403,9 +403,15 @@ void print_summary(const Chapter& chapter, const RunOptions& run, measure::Simul
                                 : fmt::format("with a step of {:g} s", run.step);
   fmt::print("{:g} s simulated {}: {} evaluations of the acceleration\n", last.t, steps,
              simulation.evaluations());
-  if (run.method.stabilization == measure::Stabilization::feedback)
-    fmt::print("feedback: ks = {:g} 1/s², kd = {:g} 1/s, h√ks = {:.3g}\n", run.method.ks,
-               run.method.kd, run.step * std::sqrt(run.method.ks));
+  if (run.method.stabilization == measure::Stabilization::feedback) {
+    const auto& [integrator, stabilization, ks, kd, tolerance] = run.method;
+    fmt::print("feedback: ks = {:g} 1/s², kd = {:g} 1/s, h√ks = {:.3g}\n", ks, kd,
+               run.step * std::sqrt(ks));
+    const double swing = integrators::largest_swing(integrator, run.step, ks, kd);
+    if (tolerance == 0.0 && swing > 4.0 && std::isfinite(swing))
+      fmt::print("feedback: close to its limit, an error may swing to {:.2g} times its start\n",
+                 swing);
+  }
   for (const std::string& note : simulation.notes()) fmt::print("{}\n", note);
   print_uses(simulation.uses(), seconds_per_step(chapter, run));
   if (!measure::optimised)
