@@ -140,8 +140,8 @@ rm "$T/broken"
 touch "$T/errors"
 expect 1 "the build failed; all of it is in $T/home/build/build.log" ./tutorial run 1
 rm "$T/errors"
-echo 3.22.1 >"$T/version"
-expect 1 "needed is CMake 3.25 or newer, as in Debian 12 and Ubuntu 24.04; here it is 3.22.1" ./tutorial run 1
+echo 3.20.3 >"$T/version"
+expect 1 "needed is CMake 3.22 or newer, as in Debian 12 and Ubuntu 22.04; here it is 3.20.3" ./tutorial run 1
 touch "$T/bare"
 player id <<<'#!/bin/sh
 echo 1000'
