@@ -1,11 +1,14 @@
 // The contract of the command line, asked of every chapter's program as a user would ask it.
 
 #include <fmt/format.h>
+#include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -489,6 +492,35 @@ bool whole_png(const fs::path& path) {
 }
 
 }  // namespace
+
+TEST_CASE("on a terminal long work says how far it is, however long a step takes") {
+  const std::vector<std::string> runs{
+      " run --links 300 --integrator implicit_midpoint --step 0.0005",
+      " run --links 300 --integrator dop853 --tolerance 1e-9 --step 5",  // one interval
+  };
+  for (const std::string& run : runs) {
+    INFO(run);
+    int terminal = -1;
+    const pid_t pid = forkpty(&terminal, nullptr, nullptr, nullptr);
+    REQUIRE(pid >= 0);
+    if (pid == 0) {
+      const std::string command = "exec " + program("05_revolute") + run + " >/dev/null";
+      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      _exit(127);
+    }
+    std::string seen;
+    std::array<char, 256> some{};
+    while (!holds(seen, "simulated, ")) {  // else it runs until it is done, and the end is seen
+      const ssize_t n = read(terminal, some.data(), some.size());
+      if (n <= 0) break;
+      seen.append(some.data(), static_cast<std::size_t>(n));
+    }
+    kill(pid, SIGTERM);
+    waitpid(pid, nullptr, 0);
+    close(terminal);
+    CHECK(holds(seen, " % simulated, "));
+  }
+}
 
 TEST_CASE("a series is numbered, in step with its frames a second, and each picture is whole") {
   const Folder folder;
