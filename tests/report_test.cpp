@@ -31,7 +31,7 @@ struct Oscillator {
   }
   std::string culprit(double, double, double) const { return "the oscillator"; }
   void cover(double q, measure::Reach& reach) const { reach.cover(q, 0.0); }
-  double free_acceleration() const { return 1.0; }
+  double free_acceleration(double, double, double) const { return 1.0; }
   measure::Columns columns() const { return {{"q", "v"}, {}}; }
   measure::Uses uses() const {
     return {.things = 1,

@@ -188,8 +188,7 @@ TEST_CASE("at rest rounding is no energy error, an open start is none that is ta
 
 TEST_CASE("feedback that theory calls stable runs, however high it swings, what grows is stopped") {
   constexpr double h = 0.01, start = 1e-6;
-  for (const Name name :
-       {Name::explicit_euler, Name::semi_implicit_euler, Name::rk4, Name::dop853})
+  for (const Name name : {Name::explicit_euler, Name::semi_implicit_euler, Name::rk4, Name::dop853})
     for (const double damping : {0.01, 0.1, 1.0, 3.0, 10.0}) {
       // ks and kd at which h is the limit: for ks = 1 that is a number.
       const double limit = integrators::largest_stable_step(name, 1.0, 2.0 * damping);
@@ -202,8 +201,7 @@ TEST_CASE("feedback that theory calls stable runs, however high it swings, what 
         return most / start;
       };
       CAPTURE(integrators::method(name).text, damping, limit);
-      for (const double part : {0.5, 0.9, 0.95, 0.98, 0.999})
-        CHECK_NOTHROW(largest(part, 4000));
+      for (const double part : {0.5, 0.9, 0.95, 0.98, 0.999}) CHECK_NOTHROW(largest(part, 4000));
       for (const double part : {1.05, 1.3, 3.0}) {
         CAPTURE(part);
         const double rate = part * limit / h;

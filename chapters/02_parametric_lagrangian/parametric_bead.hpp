@@ -53,6 +53,7 @@ class ParametricBead {
             .constraint_error = std::abs(x.x() * x.x() + 2.0 * p * x.y()),
             .velocity_error = std::abs(2.0 * x.x() * v.x() + 2.0 * p * v.y()),
             .kinetic = scene_.kinetic(v),
+            .load = scene_.applied_force().norm(),
             .drive = scene_.drive()};
   }
   /// The bead and the bottom of its valley.
@@ -60,7 +61,9 @@ class ParametricBead {
     reach.cover(0.0, 0.0);
     reach.cover(x(q).x(), x(q).y());
   }
-  double free_acceleration() const { return scene_.applied_force().norm() / scene_.mass; }
+  double free_acceleration(double, double, double) const {
+    return scene_.applied_force().norm() / scene_.mass;
+  }
   std::string culprit(double, double q, double qdot) const {
     return fmt::format("q = {:.2g} m, q̇ = {:.2g} m/s", q, qdot);
   }

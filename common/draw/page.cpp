@@ -3,8 +3,8 @@
 namespace draw {
 
 Rect page(Pen& pen, std::string_view title, std::string_view text) {
-  const std::string caption = pen.remark().empty() ? std::string(text)
-                                                   : std::string(text) + " " + pen.remark();
+  const std::string caption =
+      pen.remark().empty() ? std::string(text) : std::string(text) + " " + pen.remark();
   pen.set_caption(caption);
   constexpr double margin = 14, gap = 8, leading = 1.15;
   Rect content = Rect{0, 0, pen.width(), pen.height()}.inset(margin);

@@ -572,6 +572,16 @@ double System::drive(double t, const VectorXd& q, const VectorXd& v) {
   return std::sqrt((F_.array().square() * W_.array()).sum()) + nan_of(q) + nan_of(v);
 }
 
+double System::load(double t, const VectorXd& q, const VectorXd& v) {
+  find_forces(t, q, v);
+  double load = nan_of(q) + nan_of(v);
+  for (const ThingInfo& thing : thing_info_) {
+    load += F_.segment<2>(thing.column).norm();
+    if (thing.dof == 3) load += std::abs(F_[thing.column + 2]) / radius_at(thing.column);
+  }
+  return load;
+}
+
 double System::free_acceleration(double t, const VectorXd& q, const VectorXd& v) {
   find_forces(t, q, v);
   return W_.cwiseProduct(F_).norm() + nan_of(q) + nan_of(v);
@@ -587,29 +597,36 @@ double System::distance(const VectorXd& q) {
 }
 
 double System::radius(const ThingInfo& thing) const {
-  return thing.dof == 3 ? std::sqrt(3 * M_[thing.column + 2] * W_[thing.column]) : 0;
+  return thing.dof == 3 ? radius_at(thing.column) : 0;
 }
 
-// For one row with gradient g the Newton step is W g C / (g^T W g).
+double System::radius_at(int column) const { return std::sqrt(3 * M_[column + 2] * W_[column]); }
+
+// A row that holds points moves them by C over the size of its gradient there, wherever they are on
+// their things; one that holds angles alone turns its things by C, each as its inertia lets it.
 double System::opening(const VectorXd& q) {
   prepare();
   evaluate(q, v0_);
-  mu_.setZero();  // of each row, g^T W g, and the way of its things for C = 1, times that
+  mu_.setZero();  // of each row, |J| in the places, and in the angles
   b_.setZero();
+  lambda_.setZero();  // the radius by which the angles count, times that
   for (const JBlock& block : J_blocks_) {
     const Eigen::Map<const Eigen::MatrixXd> J(J_.data() + block.J, block.r, block.dof);
-    const double lever =
-        block.dof == 3 ? std::sqrt(3 * M_[block.column + 2] * W_[block.column]) : 0;
+    const double W_I = block.dof == 3 ? W_[block.column + 2] : 0;
+    const double lever = block.dof == 3 ? radius_at(block.column) : 0;
     for (int k = 0; k < block.r; ++k) {
-      const double W_m = W_[block.column], W_I = block.dof == 3 ? W_[block.column + 2] : 0;
-      const double J_x = std::hypot(J(k, 0), J(k, 1)), J_theta = block.dof == 3 ? J(k, 2) : 0;
-      mu_[block.row + k] += W_m * J_x * J_x + W_I * J_theta * J_theta;
-      b_[block.row + k] += W_m * J_x + lever * W_I * std::abs(J_theta);
+      const Eigen::Index row = block.row + k;
+      mu_[row] = std::max(mu_[row], std::hypot(J(k, 0), J(k, 1)));
+      const double turns = block.dof == 3 ? W_I * J(k, 2) * J(k, 2) : 0;
+      b_[row] += turns;
+      lambda_[row] += turns * lever;
     }
   }
   double opening = 0;
-  for (Eigen::Index row = 0; row < C_.size(); ++row)
-    if (mu_[row] > 0) opening = std::max(opening, std::abs(C_[row]) * b_[row] / mu_[row]);
+  for (Eigen::Index row = 0; row < C_.size(); ++row) {
+    const double per_C = mu_[row] > 0 ? 1 / mu_[row] : b_[row] > 0 ? lambda_[row] / b_[row] : 0;
+    opening = std::max(opening, std::abs(C_[row]) * per_C);
+  }
   return opening;
 }
 

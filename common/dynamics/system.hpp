@@ -319,13 +319,14 @@ class System {
   /// sqrt(F^T W F) of the applied forces (N/sqrt(kg)): the rate at which sqrt(2 T) grows at most,
   /// since constraint forces do no work.
   double drive(double t, const VectorXd& q, const VectorXd& v);
+  /// The sizes of the applied forces added up (N), a moment as the force at its body's radius.
+  double load(double t, const VectorXd& q, const VectorXd& v);
   /// |W F| of the applied forces: the size of the terms that cancel in an acceleration.
   double free_acceleration(double t, const VectorXd& q, const VectorXd& v);
   /// sqrt(C^T K^-1 C), the distance to the constraints in the mass metric (m sqrt(kg)).
   double distance(const VectorXd& q);
-  /// How far the joint that is furthest open gapes (m): the way by which its things come back by
-  /// one Newton step for each row alone, in the mass metric; an angle counts times its thing's
-  /// radius.
+  /// How far the joint that is furthest open gapes (m): the way by which a Newton step for each row
+  /// alone brings its points back, or turns its things, in the mass metric, times their radius.
   double opening(const VectorXd& q);
   /// The circle (m) about a body's centre that a uniform rod or rectangle of its inertia fits in,
   /// sqrt(3 I / m); a particle has none.
@@ -424,6 +425,7 @@ class System {
   void measure_rounding(double start);
   double relative_error() const;
   bool project_velocities(VectorXd& v);
+  double radius_at(int column) const;
   void check_closed(const VectorXd& q) const;
   [[noreturn]] void refuse(Eigen::Index open_row) const;
   Vector3d reaction(JointHandle joint, int column) const;

@@ -88,6 +88,7 @@ class Dop853 {
 
   /// Forgets the step that it would try next.
   void restart() { next_ = std::numeric_limits<double>::infinity(); }
+  void expect_rounding(double rounding) { rounding_ = std::max(rounding_, rounding); }
 
   /// Moves q and v from t to t + h, or, with a tolerance, as far towards it as one step can go;
   /// returns how far. `acceleration(t, q, v, a)` writes q̈ into a. Throws NoStep when no step is

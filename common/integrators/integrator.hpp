@@ -60,6 +60,16 @@ class Integrator {
         chosen_);
   }
 
+  /// What of an acceleration is noise from now on, where that is more than before.
+  void expect_rounding(double rounding) {
+    std::visit(
+        [&](auto& integrator) {
+          if constexpr (requires { integrator.expect_rounding(rounding); })
+            integrator.expect_rounding(rounding);
+        },
+        chosen_);
+  }
+
   /// Moves q and v from t to t + h; `acceleration(t, q, v, a)` writes q̈ into a. Returns how far it
   /// came: h, or less where the method chooses its own steps. Throws NoStep.
   template <class Acceleration>

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <concepts>
 #include <cstdio>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -25,6 +27,7 @@ struct Measures {
   double work = 0.0;        ///< done by loads that have no potential [J]
   double kinetic;           ///< [J]
   double opening = 0.0;  ///< the way that brings the joint that is furthest open back together [m]
+  double load = 0.0;     ///< the sizes of all applied forces added up [N]
   double drive;  ///< √(FᵀWF) of the applied forces: how fast √(2·kinetic) grows at most [N/√kg]
 
   /// What stays constant in an exact motion [J].
@@ -114,6 +117,9 @@ class Simulation {
   virtual const Method& method() const = 0;
   /// The h [s] of the last advance().
   virtual double step() const = 0;
+  /// What to call after each step that a tolerance has chosen, but the last of an interval, while
+  /// it lives: who looks at a run sees no more of it else than where it is stopped.
+  virtual void watch_steps(std::weak_ptr<const std::function<void()>> look) = 0;
   // These two may use the model's workspace.
   virtual Measures measures() = 0;
   /// To the constraints, in the mass metric [m√kg]; 0 for a model that starts on them.
@@ -124,7 +130,6 @@ class Simulation {
   virtual std::string culprit() = 0;
   virtual Row row() = 0;
   virtual Columns columns() const = 0;
-  /// After the last evaluation of the acceleration.
   virtual Uses uses() = 0;
   /// What the user should know of the start, a line each: a state that had to be projected, for
   /// example.
@@ -153,7 +158,7 @@ concept Model = requires(M model, typename M::Vector& q, typename M::Vector& v, 
   { model.initial_velocity() } -> std::convertible_to<typename M::Vector>;
   { model.measures(0.0, q, v) } -> std::same_as<Measures>;
   { model.culprit(0.0, q, v) } -> std::same_as<std::string>;
-  { model.free_acceleration() } -> std::same_as<double>;  // |q̈| at the start without constraints
+  { model.free_acceleration(0.0, q, v) } -> std::same_as<double>;  // |q̈| without constraints
   { model.columns() } -> std::same_as<Columns>;
   { model.uses() } -> std::same_as<Uses>;
   model.cover(q, reach);
@@ -169,7 +174,8 @@ class Motion final : public Simulation {
   Motion(M model, const Method& method)
       : model_(std::move(model)),
         integrator_(method.integrator, model_.initial_position(), method.tolerance,
-                    epsilon * model_.free_acceleration()),
+                    epsilon * model_.free_acceleration(0.0, model_.initial_position(),
+                                                       model_.initial_velocity())),
         method_(method) {
     restart();
   }
@@ -180,7 +186,7 @@ class Motion final : public Simulation {
     integrator_.restart();
     t_ = t_anchor_ = h_ = 0.0;
     shortest_step_ = std::numeric_limits<double>::infinity();
-    intervals_since_anchor_ = intervals_ = steps_ = evaluations_ = 0;
+    intervals_since_anchor_ = steps_ = evaluations_ = 0;
   }
 
   // [loop]
@@ -192,7 +198,7 @@ class Motion final : public Simulation {
     };
     for (long i = 0; i < steps; ++i) {
       const double end = t_anchor_ + static_cast<double>(++intervals_since_anchor_) * h;
-      const long steps_before = steps_;
+      if (method_.tolerance > 0.0) begin_interval(h);
       for (double rest = h; rest > 0.0;) {
         rest -= take_step(acceleration, rest);
         if constexpr (requires { model_.project(q_, v_); })
@@ -200,9 +206,8 @@ class Motion final : public Simulation {
         t_ = end - rest;
         if (!is_finite(q_) || !is_finite(v_))
           throw Diverged(at(t_) + first_not_finite() + " is no longer finite");
-        if (rest > 0.0) look_at_pace(steps_before, h);
+        if (rest > 0.0) look_inside_interval(h);
       }
-      ++intervals_;
     }
   }
   // [loop]
@@ -227,6 +232,9 @@ class Motion final : public Simulation {
   long evaluations() const override { return evaluations_; }
   long steps() const override { return steps_; }
   double shortest_step() const override { return shortest_step_; }
+  void watch_steps(std::weak_ptr<const std::function<void()>> look) override {
+    look_ = std::move(look);
+  }
   double state_size() const override { return norm(q_); }
   const Method& method() const override { return method_; }
   double step() const override { return h_; }
@@ -241,6 +249,8 @@ class Motion final : public Simulation {
   std::string culprit() override { return model_.culprit(t_, q_, v_); }
   Columns columns() const override { return model_.columns(); }
   Uses uses() override {
+    Vector a = q_;
+    model_.acceleration(t_, q_, v_, a);
     Uses uses = model_.uses();
     if constexpr (requires { model_.project(q_, v_); })
       if (!projected()) uses.left_out.push_back("projection");
@@ -268,21 +278,26 @@ class Motion final : public Simulation {
   bool projected() const { return method_.stabilization == Stabilization::projection; }
 
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  /// A tolerance may take as many steps as may be given, as evenly as it likes. One whose steps
-  /// collapse, so that an interval costs a hundred times what those before did, comes to no end.
-  void look_at_pace(long steps_before, double h) const {
-    constexpr double enough = 1e5, collapse = 100.0, part = 50.0;
-    const auto here = static_cast<double>(steps_ - steps_before);
-    const double mean = intervals_ == 0
-                            ? most_steps / part / collapse
-                            : static_cast<double>(steps_before) / static_cast<double>(intervals_);
-    if (here > enough && here > collapse * mean)
-      throw Diverged(at(t_) + "the tolerance takes more than " + in_digits(here) + " steps in " +
-                         in_digits(h) + " s",
-                     Trouble::tolerance);
-    if (static_cast<double>(steps_) > most_steps)
+  /// An acceleration is noise to rounding of the largest force that there is, which may grow.
+  void begin_interval(double h) {
+    for (const double t : {t_, t_ + h})
+      integrator_.expect_rounding(epsilon * model_.free_acceleration(t, q_, v_));
+    pace_t_ = t_;
+    pace_steps_ = steps_;
+  }
+
+  /// A tolerance may take as many steps as may be given. One whose steps have become so short that
+  /// it would take more for this interval alone comes to no end.
+  void look_inside_interval(double h) {
+    if (const auto look = look_.lock()) (*look)();
+    constexpr long enough = 100000;
+    if (steps_ - pace_steps_ < enough) return;
+    if ((t_ - pace_t_) * most_steps < h * static_cast<double>(enough) ||
+        static_cast<double>(steps_) > most_steps)
       throw Diverged(at(t_) + "the tolerance takes more than " + in_digits(most_steps) + " steps",
                      Trouble::tolerance);
+    pace_t_ = t_;
+    pace_steps_ = steps_;
   }
 
   template <class Acceleration>
@@ -320,7 +335,10 @@ class Motion final : public Simulation {
   Method method_;
   Vector q_, v_;
   double t_, t_anchor_, h_, shortest_step_;
-  long intervals_since_anchor_, intervals_, steps_, evaluations_;
+  long intervals_since_anchor_, steps_, evaluations_;
+  std::weak_ptr<const std::function<void()>> look_;
+  double pace_t_ = 0.0;  ///< where and when the pace was looked at last
+  long pace_steps_ = 0;
 };
 
 }  // namespace measure

@@ -68,12 +68,18 @@ Watch::Watch(Simulation& simulation)
       t_(simulation.time()),
       balance_(start_.balance()),
       largest_kinetic_(start_.kinetic),
-      largest_energy_(0.0) {
+      largest_energy_(0.0),
+      largest_load_(start_.load),
+      largest_state_(simulation.state_size()) {
   simulation_.cover(reach_);
   const double off = closed * std::max(reach_.size(), reach_.furthest());
   open_ = simulation_.method().stabilization != Stabilization::none && start_.opening > off;
   if (simulation_.method().stabilization == Stabilization::feedback)
     distance_ = simulation_.distance();
+  if (simulation_.method().tolerance == 0.0) return;
+  look_inside_ =
+      std::make_shared<const std::function<void()>>([this] { look(simulation_.measures()); });
+  simulation_.watch_steps(look_inside_);
 }
 
 // Feedback swings higher than its start before it decays: by the method's own factor at this step.
@@ -129,12 +135,14 @@ void Watch::look(const Measures& now) {
   taken_away_ |= now.opening < far * start_.opening;
   if (taken_away_) opening_.take(t, now.opening - start_.opening);
   largest_kinetic_ = std::max(largest_kinetic_, now.kinetic);
+  largest_load_ = std::max(largest_load_, now.load);
+  largest_state_ = std::max(largest_state_, simulation_.state_size());
   largest_energy_ = std::max(largest_energy_, std::abs(now.energy) + std::abs(now.work));
   energy_.take(t, std::abs(now.balance() - balance_));
 }
 
 double Watch::energy_rounding() const {
-  return rounding * (0.5 * speed_ * speed_ + largest_energy_);
+  return rounding * (largest_load_ * reach_.size() + largest_energy_);
 }
 
 Verdict::Fault Watch::fault(const char* what, const std::string& which, double value,
@@ -144,7 +152,7 @@ Verdict::Fault Watch::fault(const char* what, const std::string& which, double v
   std::string words = which + " " + said(value, unit);
   if (std::isfinite(part)) words += ", " + percent(part) + " " + whole;  // else nothing moved
   if (std::isfinite(since)) words += " (above 1 % since t = " + said(since, "s") + ")";
-  return {what, words};
+  return {what, words, std::isfinite(since) ? Trouble::wrong : Trouble::late};
 }
 
 Verdict Watch::verdict(double position_error, double angle_error) const {
@@ -171,12 +179,14 @@ Verdict Watch::verdict(double position_error, double angle_error) const {
 }
 
 void Watch::judge_tolerance(double error, Verdict& verdict) const {
-  const double tolerance = simulation_.method().tolerance, size = simulation_.state_size();
+  const double tolerance = simulation_.method().tolerance, size = largest_state_ + reach_.size();
   const double steps = static_cast<double>(std::max(1L, simulation_.steps())),
                mean = simulation_.time() / steps;
   const bool collapsed = simulation_.shortest_step() < 1e-3 * mean;
   const double allowed = (collapsed ? 20.0 : 200.0) * tolerance * largest_kinetic_;
-  const bool energy_off = energy_.most() > std::max(allowed, energy_rounding());
+  const bool feedback = simulation_.method().stabilization == Stabilization::feedback;
+  const bool energy_off =
+      energy_.most() > std::max(allowed, energy_rounding()) && !(open_ && feedback);
   // Where each step's error shifts the energy a little, the phase falls behind as their square.
   const double grown = tolerance * std::max(50.0, 1e-3 * steps * steps);
   const bool state_off = error > std::max(grown, rounding_of_a_run) * size;
@@ -189,14 +199,7 @@ void Watch::judge_tolerance(double error, Verdict& verdict) const {
   if (collapsed)
     words += ", and the steps fell to " + in_digits(simulation_.shortest_step() / mean) +
              " of their mean";
-  verdict.faults.push_back({"tolerance", words});
-}
-
-Trouble Verdict::trouble() const {
-  const std::string first = faults.empty() ? "" : faults.front().what;
-  return first == "tolerance"  ? Trouble::tolerance
-         : first == "position" ? Trouble::late
-                               : Trouble::wrong;
+  verdict.faults.push_back({"tolerance", words, collapsed ? Trouble::tolerance : Trouble::late});
 }
 
 }  // namespace measure

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,12 +31,13 @@ struct Verdict {
   struct Fault {
     std::string what;   ///< "joints", "energy", "position", "tolerance": a word for tables
     std::string words;  ///< by how much, in one clause
+    Trouble trouble;    ///< what to try depends on it
   };
   std::vector<Fault> faults;
 
   bool right() const { return faults.empty(); }
-  /// What to try depends on: the tolerance alone, or the position alone, or joints and energy.
-  Trouble trouble() const;
+  /// Of the first.
+  Trouble trouble() const { return right() ? Trouble::wrong : faults.front().trouble; }
   std::string text() const;   ///< one line: all clauses
   std::string words() const;  ///< "joints and energy", for a caption or a table
 };
@@ -72,6 +75,8 @@ class Watch {
 
   /// Begins with the simulation as it is now.
   explicit Watch(Simulation& simulation);
+  Watch(const Watch&) = delete;
+  Watch& operator=(const Watch&) = delete;
 
   /// To be called after every step or every few, with the measures then. Throws Diverged.
   void look(const Measures& now);
@@ -97,9 +102,10 @@ class Watch {
   bool taken_away_ = true;   ///< what was open at the start, as far as it was
   double speed_, distance_;  ///< what is allowed; the distance to the constraints at the start
   double t_, balance_;
-  double largest_kinetic_, largest_energy_;
+  double largest_kinetic_, largest_energy_, largest_load_, largest_state_;
   Reach reach_;
   Growth opening_, energy_;
+  std::shared_ptr<const std::function<void()>> look_inside_;  ///< of a tolerance's intervals
 };
 
 }  // namespace measure

@@ -74,6 +74,7 @@ class ImplicitBead {
             .velocity_error = std::abs(gradient(x).dot(v)),
             .kinetic = scene_.kinetic(v),
             .opening = std::abs(C(x)) / gradient(x).norm(),
+            .load = F_.norm(),
             .drive = scene_.drive()};
   }
   /// The bead and the bottom of its valley.
@@ -81,7 +82,9 @@ class ImplicitBead {
     reach.cover(0.0, 0.0);
     reach.cover(x.x(), x.y());
   }
-  double free_acceleration() const { return F_.norm() / scene_.mass; }
+  double free_acceleration(double, const Vector&, const Vector&) const {
+    return F_.norm() / scene_.mass;
+  }
   std::string culprit(double, const Vector& x, const Vector&) const {
     return fmt::format("the curve is off by C = {:.2g} m²", C(x));
   }

@@ -96,9 +96,12 @@ class Mechanism {
             .work = work ? work(q) : 0.0,
             .kinetic = system.kinetic_energy(v),
             .opening = system.opening(q),
+            .load = system.load(t, q, v),
             .drive = system.drive(t, q, v)};
   }
-  double free_acceleration() { return system.free_acceleration(0.0, q_, v_); }
+  double free_acceleration(double t, const Vector& q, const Vector& v) {
+    return system.free_acceleration(t, q, v);
+  }
   double distance(const Vector& q) { return system.distance(q); }
   /// A body as the disc about its centre that a uniform rod or rectangle of its inertia just fits.
   void cover(const Vector& q, measure::Reach& reach) const {

@@ -166,7 +166,10 @@ void take(const Snapshot& snapshot, const Chapter& chapter, const RunOptions& ru
       verdict.right()
           ? ""
           : fmt::format("With these options the run is far from right: {}.", verdict.words());
-  const Show show{.verdict = !verdict.right()};
+  Show show{.verdict = !verdict.right()};
+  if (show.verdict)
+    show.else_say =
+        fmt::format("At {:g} s the run is far from right: {}.", snapshot.end(run), verdict.words());
   if (snapshot.frames > 0) return take_series(snapshot, chapter, run, show, out);
   if (snapshot.cells() > 0) return take_sheet(snapshot, chapter, run, remark, out);
   Progress progress;

@@ -26,7 +26,7 @@ Stage::Stage(RunOptions run)
       stride_(std::max(1L, std::lround(run_.duration / samples_kept / run_.step))) {}
 
 void Stage::add(measure::Simulation& simulation, std::string name) {
-  simulations_.push_back({&simulation, std::nullopt, 0.0});
+  simulations_.push_back({&simulation, nullptr, 0.0});
   names_.push_back(std::move(name));
 }
 
@@ -39,7 +39,7 @@ void Stage::begin(const draw::View& view) {
 void Stage::count_from_here() {
   since_count_ = 0;
   for (Watched& watched : simulations_) {
-    watched.watch.emplace(*watched.simulation);
+    watched.watch = std::make_unique<measure::Watch>(*watched.simulation);
     watched.balance = watched.simulation->measures().balance();
   }
 }
@@ -106,7 +106,10 @@ measure::Verdict Stage::verdict() const {
   measure::Verdict verdict;
   if (spring_) return verdict;
   for (const Watched& watched : simulations_)
-    for (const auto& fault : watched.watch->verdict().faults) verdict.faults.push_back(fault);
+    for (const auto& fault : watched.watch->verdict().faults)
+      if (std::none_of(verdict.faults.begin(), verdict.faults.end(),
+                       [&](const auto& other) { return other.what == fault.what; }))
+        verdict.faults.push_back(fault);
   return verdict;
 }
 
@@ -220,6 +223,8 @@ void draw_page(draw::Pen& pen, Stage& stage, const Show& show) {
   std::string caption = stage.caption();
   if (const auto verdict = stage.verdict(); show.verdict && !verdict.right())
     caption += fmt::format(" Far from right: {}.", verdict.words());
+  else if (!show.else_say.empty())
+    caption.append(" ").append(show.else_say);
   stage.draw(pen, draw::page(pen, stage.title(), caption), show);
 }
 

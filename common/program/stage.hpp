@@ -18,11 +18,12 @@ namespace program {
 
 /// What is drawn besides the things themselves.
 struct Show {
-  bool forces = true;   ///< of the constraints and the loads
-  bool trail = true;    ///< where the scene came from
-  bool names = false;   ///< of the things
-  bool numbers = true;  ///< axes, and the sizes of the forces
-  bool verdict = true;  ///< where the motion so far is far from right, in the caption
+  bool forces = true;         ///< of the constraints and the loads
+  bool trail = true;          ///< where the scene came from
+  bool names = false;         ///< of the things
+  bool numbers = true;        ///< axes, and the sizes of the forces
+  bool verdict = true;        ///< where the motion so far is far from right, in the caption
+  std::string else_say = {};  ///< where it is not, but the whole run is
 };
 
 /// A scene in motion that can be looked at: in a picture, in a series of them, in a window. Its
@@ -66,7 +67,7 @@ class Stage {
   measure::Verdict verdict() const;
   /// Whether it has moved for so long that its verdict will not change back: from rest, the energy
   /// error of a method of first order is one part in n of the kinetic energy after n steps.
-  bool settled() const { return since_count_ >= 200; }
+  bool settled() const { return since_count_ >= 200 || time() >= run_.duration; }
 
   /// Shows as much as another stage of the same scene, and its forces in the same scale.
   void show_as(const Stage& other);
@@ -138,7 +139,7 @@ class Stage {
  private:
   struct Watched {
     measure::Simulation* simulation;
-    std::optional<measure::Watch> watch;
+    std::unique_ptr<measure::Watch> watch;
     double balance;  ///< from which the energy error counts [J]
   };
 
