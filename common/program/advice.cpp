@@ -37,8 +37,8 @@ std::optional<std::string> fault_of_gains(const RunOptions& run) {
   const measure::Method& method = run.method;
   return fmt::format("feedback with ks = {:g} 1/s², kd = {:g} 1/s cannot be stable with {} at {}",
                      method.ks, method.kd, integrators::method(method.integrator).text,
-                     *limit == 0.0
-                         ? std::string("any step")
+                     *limit < run.duration / measure::most_steps
+                         ? std::string(*limit == 0.0 ? "any step" : "any step that is allowed")
                          : fmt::format("a step of {:g} s, only up to {:.3g} s", run.step, *limit));
 }
 
