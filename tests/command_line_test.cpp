@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "measure/clock.hpp"
+#include "instruments/measure/clock.hpp"
 
 namespace fs = std::filesystem;
 

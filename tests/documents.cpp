@@ -44,9 +44,9 @@
 #include <string>
 #include <vector>
 
-#include "program/files.hpp"
-#include "program/report.hpp"
-#include "program/stability.hpp"
+#include "instruments/files/files.hpp"
+#include "instruments/measure/cases.hpp"
+#include "instruments/measure/report.hpp"
 
 namespace fs = std::filesystem;
 
@@ -117,11 +117,11 @@ std::vector<std::string> block(const fs::path& source, const std::string& kind,
     return excerpt(source / argument.substr(0, space), argument.substr(space + 1));
   }
   if (kind == "report")
-    return split_lines(program::short_table(program::read_csv(source / argument)));
+    return split_lines(measure::short_table(measure::read_csv(source / argument)));
   if (kind == "cases")
-    return split_lines(program::table(program::read_verdicts(source / argument)));
+    return split_lines(measure::table(measure::read_verdicts(source / argument)));
   if (kind == "long_run")
-    return split_lines(program::table(program::read_curves(source / argument)));
+    return split_lines(measure::table(measure::read_curves(source / argument)));
   return output(argument);
 }
 
@@ -325,7 +325,7 @@ std::string passed_on(const std::string& command) {
 /// simulation stops, with its reason, is what some documents show, and a window needs GLFW and a
 /// display.
 bool runs(const std::string& command, const fs::path& folder) {
-  program::write_file(folder / "command.sh", command + "\n");
+  files::write_file(folder / "command.sh", command + "\n");
   const int seconds = command.find("--frames") == std::string::npos ? 1 : 5;  // for a clip of them
   const std::string quiet = fmt::format(
       "cd '{}' && env -u DISPLAY -u WAYLAND_DISPLAY timeout {} sh command.sh >output.txt "
@@ -397,7 +397,7 @@ int main(int argc, char** argv) try {
     const std::vector<std::string> old = lines_of(file);
     const std::vector<std::string> fresh = in_step(".", file, old, complaints);
     if (!check && fresh != old)
-      program::write_file(file, fmt::format("{}\n", fmt::join(fresh, "\n")));
+      files::write_file(file, fmt::format("{}\n", fmt::join(fresh, "\n")));
     for (const std::string& complaint : complaints) fmt::print("{}\n", complaint);
     differs |= !complaints.empty();
   }

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "draw/canvas.hpp"
-#include "draw/image.hpp"
-#include "draw/offscreen.hpp"
-#include "draw/page.hpp"
-#include "draw/plot.hpp"
-#include "draw/ticks.hpp"
+#include "instruments/draw/canvas.hpp"
+#include "instruments/draw/image.hpp"
+#include "instruments/draw/offscreen.hpp"
+#include "instruments/draw/page.hpp"
+#include "instruments/draw/plot.hpp"
+#include "instruments/draw/ticks.hpp"
 #include "picture_check.hpp"
 
 using namespace draw;

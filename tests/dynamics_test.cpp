@@ -1,16 +1,16 @@
 // The global solver against a dense reference in long double, closed forms, and conservation laws.
-#include "dynamics/system.hpp"
+#include "mechanics/dynamics/system.hpp"
 
 #include <Eigen/Dense>
 #include <chrono>
 
 #include "allocations.hpp"
 #include "catch.hpp"
-#include "joints/distance.hpp"
-#include "joints/ground.hpp"
-#include "joints/on_curve.hpp"
-#include "joints/prismatic.hpp"
-#include "joints/revolute.hpp"
+#include "mechanics/joints/distance.hpp"
+#include "mechanics/joints/ground.hpp"
+#include "mechanics/joints/on_curve.hpp"
+#include "mechanics/joints/prismatic.hpp"
+#include "mechanics/joints/revolute.hpp"
 #include "random.hpp"
 
 using namespace dynamics;

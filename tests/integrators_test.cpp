@@ -5,11 +5,11 @@
 
 #include "allocations.hpp"
 #include "catch.hpp"
-#include "integrators/amplification.hpp"
-#include "integrators/integrator.hpp"
+#include "mechanics/integrators/amplification.hpp"
+#include "mechanics/integrators/integrator.hpp"
 
 using integrators::Integrator;
-using integrators::Name;
+using integrators::Scheme;
 
 namespace {
 
@@ -25,7 +25,7 @@ const auto acceleration = [](double t, const auto& q, const auto& v, auto& a) {
 };
 
 template <class Vector>
-std::pair<Vector, Vector> run(Name name, Vector q, Vector v, int steps) {
+std::pair<Vector, Vector> run(Scheme name, Vector q, Vector v, int steps) {
   Integrator<Vector> integrator(name, q);
   const double h = 2.0 / steps;
   for (int i = 0; i < steps; ++i) integrator.step(acceleration, i * h, q, v, h);
@@ -35,24 +35,24 @@ std::pair<Vector, Vector> run(Name name, Vector q, Vector v, int steps) {
 }  // namespace
 
 TEST_CASE("every integrator converges with its order") {
-  for (const auto& method : integrators::methods) {
-    INFO(method.text);
+  for (const auto& scheme : integrators::schemes) {
+    INFO(scheme.text);
     const auto error = [&](int steps) {
-      const auto [q, v] = run(method.name, exact_q(0), exact_v(0), steps);
+      const auto [q, v] = run(scheme.id, exact_q(0), exact_v(0), steps);
       return std::hypot(q - exact_q(2), v - exact_v(2));
     };
-    const int steps = method.order == 8 ? 12 : 320;  // an order of 8 soon meets rounding
-    CHECK(std::log2(error(steps) / error(2 * steps)) == Approx(method.order).margin(0.15));
+    const int steps = scheme.order == 8 ? 12 : 320;  // an order of 8 soon meets rounding
+    CHECK(std::log2(error(steps) / error(2 * steps)) == Approx(scheme.order).margin(0.15));
   }
 }
 
 TEST_CASE("scalar, fixed-size and dynamic vectors take the same steps") {
-  for (const auto& method : integrators::methods) {
-    INFO(method.text);
-    const auto scalar = run(method.name, exact_q(0), exact_v(0), 50);
-    const auto fixed = run<Eigen::Vector2d>(method.name, Eigen::Vector2d::Constant(exact_q(0)),
+  for (const auto& scheme : integrators::schemes) {
+    INFO(scheme.text);
+    const auto scalar = run(scheme.id, exact_q(0), exact_v(0), 50);
+    const auto fixed = run<Eigen::Vector2d>(scheme.id, Eigen::Vector2d::Constant(exact_q(0)),
                                             Eigen::Vector2d::Constant(exact_v(0)), 50);
-    const auto dynamic = run<Eigen::VectorXd>(method.name, Eigen::VectorXd::Constant(5, exact_q(0)),
+    const auto dynamic = run<Eigen::VectorXd>(scheme.id, Eigen::VectorXd::Constant(5, exact_q(0)),
                                               Eigen::VectorXd::Constant(5, exact_v(0)), 50);
     for (int i = 0; i < 2; ++i) CHECK(fixed.first[i] == Approx(scalar.first).epsilon(1e-15));
     for (int i = 0; i < 5; ++i) CHECK(dynamic.first[i] == Approx(scalar.first).epsilon(1e-15));
@@ -61,10 +61,10 @@ TEST_CASE("scalar, fixed-size and dynamic vectors take the same steps") {
 }
 
 TEST_CASE("a step of a dynamic vector allocates nothing") {
-  for (const auto& method : integrators::methods) {
-    INFO(method.text);
+  for (const auto& scheme : integrators::schemes) {
+    INFO(scheme.text);
     Eigen::VectorXd q = Eigen::VectorXd::Ones(40), v = q;
-    Integrator<Eigen::VectorXd> integrator(method.name, q);
+    Integrator<Eigen::VectorXd> integrator(scheme.id, q);
     const long before = allocations();
     for (int i = 0; i < 10; ++i) integrator.step(acceleration, 0.1 * i, q, v, 0.1);
     CHECK(allocations() == before);
@@ -148,7 +148,7 @@ TEST_CASE("with a tolerance dop853 takes the steps that the error needs, and no 
   double evaluations_before = 0;
   for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
     double q = exact_q(0), v = exact_v(0), evaluations = 0, shortest = 2.0;
-    Integrator<double> integrator(Name::dop853, q, tolerance);
+    Integrator<double> integrator(Scheme::dop853, q, tolerance);
     const auto counted = [&](double t, const double& x, const double& w, double& a) {
       ++evaluations;
       acceleration(t, x, w, a);
@@ -169,7 +169,7 @@ TEST_CASE("with a tolerance dop853 takes the steps that the error needs, and no 
 
 TEST_CASE("dop853 says when no step is short enough") {
   double q = 0.0, v = 0.0;
-  Integrator<double> integrator(Name::dop853, q, 1e-6);
+  Integrator<double> integrator(Scheme::dop853, q, 1e-6);
   const auto never_finite = [](double, double, double, double& a) { a = std::nan(""); };
   CHECK_THROWS_AS(integrator.step(never_finite, 1.0, q, v, 1.0), integrators::NoStep);
 }
@@ -179,7 +179,7 @@ TEST_CASE("the implicit midpoint rule holds the stiffest spring at any step, and
   for (const double k : {1e-6, 1.0, 1e4, 1e10})
     for (const double h : {1e-3, 1.0}) {
       INFO("k = " << k << ", h = " << h);
-      Integrator<double> integrator(Name::implicit_midpoint, 1.0);
+      Integrator<double> integrator(Scheme::implicit_midpoint, 1.0);
       double q = 1.0, v = 0.0;
       const int steps = 1000;
       for (int i = 0; i < steps; ++i)
@@ -204,7 +204,7 @@ TEST_CASE("the implicit midpoint rule solves stiff and soft parts together") {
     }
   };
   Eigen::VectorXd q = Eigen::VectorXd::LinSpaced(n, 0.1, 1.0), v = Eigen::VectorXd::Zero(n), a = v;
-  Integrator<Eigen::VectorXd> integrator(Name::implicit_midpoint, q);
+  Integrator<Eigen::VectorXd> integrator(Scheme::implicit_midpoint, q);
   const double h = 0.05;
   for (int i = 0; i < 100; ++i) {
     const Eigen::VectorXd q0 = q, v0 = v;
@@ -219,7 +219,7 @@ TEST_CASE("the implicit midpoint rule solves stiff and soft parts together") {
 
 TEST_CASE("a step that cannot be solved is an exception, not a wrong state") {
   double q = 1.0, v = 0.0;
-  Integrator<double> integrator(Name::implicit_midpoint, q);
+  Integrator<double> integrator(Scheme::implicit_midpoint, q);
   long calls = 0;
   const auto restless = [&](double, double, double, double& a) { a = ++calls % 2 ? 1.0 : -1.0; };
   CHECK_THROWS_AS(integrator.step(restless, 0.0, q, v, 1.0), integrators::NoStep);
@@ -229,10 +229,10 @@ TEST_CASE("the largest stable step of critically damped feedback is the textbook
   // RK4: the real root of 1 + z + z²/2 + z³/6 + z⁴/24 = 1 is z = −2.78529…; Euler: z = −2;
   // semi-implicit Euler at kd = 2√ks: the characteristic polynomial passes −1 at s = 2√2 − 2.
   const double ks = 9.0, kd = 6.0, rate = 3.0;
-  const auto limit = [&](Name name) {
+  const auto limit = [&](Scheme name) {
     return rate * integrators::largest_stable_step(name, ks, kd);
   };
-  CHECK(limit(Name::rk4) == Approx(2.785293563405282).epsilon(1e-6));
-  CHECK(limit(Name::explicit_euler) == Approx(2.0).epsilon(1e-6));
-  CHECK(limit(Name::semi_implicit_euler) == Approx(2.0 * std::sqrt(2.0) - 2.0).epsilon(1e-6));
+  CHECK(limit(Scheme::rk4) == Approx(2.785293563405282).epsilon(1e-6));
+  CHECK(limit(Scheme::explicit_euler) == Approx(2.0).epsilon(1e-6));
+  CHECK(limit(Scheme::semi_implicit_euler) == Approx(2.0 * std::sqrt(2.0) - 2.0).epsilon(1e-6));
 }

@@ -3,12 +3,12 @@
 #include <Eigen/Dense>
 
 #include "catch.hpp"
-#include "dynamics/system.hpp"
-#include "joints/distance.hpp"
-#include "joints/ground.hpp"
-#include "joints/on_curve.hpp"
-#include "joints/prismatic.hpp"
-#include "joints/revolute.hpp"
+#include "mechanics/dynamics/system.hpp"
+#include "mechanics/joints/distance.hpp"
+#include "mechanics/joints/ground.hpp"
+#include "mechanics/joints/on_curve.hpp"
+#include "mechanics/joints/prismatic.hpp"
+#include "mechanics/joints/revolute.hpp"
 #include "random.hpp"
 
 using namespace dynamics;

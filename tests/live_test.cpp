@@ -18,7 +18,7 @@
 
 #include "ask_to_close.hpp"
 #include "catch.hpp"
-#include "draw/image.hpp"
+#include "instruments/draw/image.hpp"
 #include "picture_check.hpp"
 
 namespace fs = std::filesystem;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "measure/ladder.hpp"
+#include "instruments/measure/ladder.hpp"
 
 /// Climbs the ladder and compares the observed order of each quantity with theory, wherever
 /// `theory_holds(rung, k)` says that the step is short enough and the error of quantity k still
@@ -34,7 +34,7 @@ int check_orders(const measure::Ladder& ladder, const measure::Start& start,
 /// where theory begins to hold down to rounding within two or three halvings of the step. In
 /// between the terms of higher order and the rounding, which a fused multiply-add changes, leave up
 /// to 0.27; 0.4 still tells it from the orders beside it.
-inline void check_order(const measure::Method& method, double duration, long steps,
+inline void check_order(const mechanics::Method& method, double duration, long steps,
                         const measure::Start& start, const measure::Errors& errors) {
   const auto run = [&](long n) {
     const auto simulation = start(method);
@@ -45,6 +45,6 @@ inline void check_order(const measure::Method& method, double duration, long ste
   for (std::size_t k = 0; k < fine.size(); ++k) {
     INFO(method.label() << ", " << 2 * steps << " steps, quantity " << k << ", error " << fine[k]);
     CHECK(std::log2(coarse[k] / fine[k]) ==
-          Approx(integrators::method(method.integrator).order).margin(0.4));
+          Approx(integrators::info(method.integrator).order).margin(0.4));
   }
 }

@@ -11,9 +11,9 @@
 #include <stdexcept>
 
 #include "catch.hpp"
-#include "draw/offscreen.hpp"
-#include "program/files.hpp"
-#include "program/report.hpp"
+#include "instruments/draw/offscreen.hpp"
+#include "instruments/files/files.hpp"
+#include "instruments/measure/report.hpp"
 
 namespace picture_check {
 namespace {
@@ -110,22 +110,22 @@ void compare(const std::string& chapter, const std::string& name, const Image& a
   }
   const std::filesystem::path folder =
       std::filesystem::path(TUTORIAL_BIN).parent_path() / "picture_failures" / chapter;
-  program::make_folder(folder);
-  program::write_file(folder / (name + "_expected.png"), draw::encode_png(expected));
-  program::write_file(folder / (name + "_actual.png"), draw::encode_png(actual));
-  program::write_file(folder / (name + "_difference.png"), draw::encode_png(d.picture));
+  files::make_folder(folder);
+  files::write_file(folder / (name + "_expected.png"), draw::encode_png(expected));
+  files::write_file(folder / (name + "_actual.png"), draw::encode_png(actual));
+  files::write_file(folder / (name + "_difference.png"), draw::encode_png(d.picture));
   FAIL_CHECK("largest channel step " << d.largest_step << ", worst 16x16 window " << d.worst_window
                                      << "; expected, actual and difference are in "
                                      << folder.string());
 }
 
 /// All pictures of a chapter at the defaults of its program, and the plot of its committed report.
-void compare_all(const std::string& chapter, const std::vector<program::Picture>& pictures) {
-  for (const program::Picture& picture : pictures)
+void compare_all(const std::string& chapter, const std::vector<pictures::Picture>& pictures) {
+  for (const pictures::Picture& picture : pictures)
     compare(chapter, picture.name, draw::render({}, picture.draw));
-  const auto report = program::read_csv(std::filesystem::path(TUTORIAL_SOURCE) / "chapters" /
+  const auto report = measure::read_csv(std::filesystem::path(TUTORIAL_SOURCE) / "chapters" /
                                         chapter / "snapshots" / "error_vs_time.csv");
-  compare(chapter, "error_vs_time", draw::render({}, program::error_picture(report).draw));
+  compare(chapter, "error_vs_time", draw::render({}, pictures::error_picture(report).draw));
 }
 
 }  // namespace picture_check

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "draw/image.hpp"
-#include "program/pictures.hpp"
+#include "instruments/draw/image.hpp"
+#include "instruments/pictures/pictures.hpp"
 
 namespace picture_check {
 
@@ -37,6 +37,6 @@ bool alike(const Image& expected, const Image& actual);
 void compare(const std::string& chapter, const std::string& name, const Image& actual);
 
 /// All pictures of a chapter at the defaults of its program, and the plot of its committed report.
-void compare_all(const std::string& chapter, const std::vector<program::Picture>& pictures);
+void compare_all(const std::string& chapter, const std::vector<pictures::Picture>& pictures);
 
 }  // namespace picture_check

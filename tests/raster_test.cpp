@@ -1,6 +1,6 @@
 // Triangles on pixels: what closed forms say of coverage, gradients, textures and blending.
 
-#include "draw/raster.hpp"
+#include "instruments/draw/raster.hpp"
 
 #include <cmath>
 #include <limits>

@@ -4,12 +4,13 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/options.hpp"
 #include "catch.hpp"
-#include "measure/clock.hpp"
-#include "measure/ladder.hpp"
-#include "program/files.hpp"
-#include "program/options.hpp"
-#include "program/report.hpp"
+#include "instruments/files/files.hpp"
+#include "instruments/measure/clock.hpp"
+#include "instruments/measure/ladder.hpp"
+#include "instruments/measure/report.hpp"
+#include "instruments/measure/run_options.hpp"
 
 namespace {
 
@@ -22,7 +23,7 @@ struct Oscillator {
   }
   double initial_position() const { return 1.0; }
   double initial_velocity() const { return 0.0; }
-  measure::Measures measures(double, double q, double v) const {
+  mechanics::Measures measures(double, double q, double v) const {
     return {.energy = 0.5 * (q * q + v * v),
             .constraint_error = 0.0,
             .velocity_error = 0.0,
@@ -30,10 +31,10 @@ struct Oscillator {
             .drive = std::abs(q)};
   }
   std::string culprit(double, double, double) const { return "the oscillator"; }
-  void cover(double q, measure::Reach& reach) const { reach.cover(q, 0.0); }
+  void cover(double q, mechanics::Reach& reach) const { reach.cover(q, 0.0); }
   double free_acceleration(double, double, double) const { return 1.0; }
-  measure::Columns columns() const { return {{"q", "v"}, {}}; }
-  measure::Uses uses() const {
+  mechanics::Columns columns() const { return {{"q", "v"}, {}}; }
+  mechanics::Uses uses() const {
     return {.things = 1,
             .coordinates = 1,
             .rows = 0,
@@ -42,23 +43,23 @@ struct Oscillator {
             .workspace_bytes = 0,
             .left_out = {}};
   }
-  void observe(double, double q, double v, measure::Row& row) const { row.state = {q, v}; }
+  void observe(double, double q, double v, mechanics::Row& row) const { row.state = {q, v}; }
 };
 
 measure::Ladder ladder() {
-  return {.methods = {{integrators::Name::explicit_euler}, {integrators::Name::rk4}},
+  return {.methods = {{integrators::Scheme::explicit_euler}, {integrators::Scheme::rk4}},
           .duration = 3.0,
           .coarsest = 0.1,
           .rungs = 9};
 }
 
-const measure::Errors errors = [](const measure::Row& row) {
+const measure::Errors errors = [](const mechanics::Row& row) {
   return std::vector<double>{std::abs(row.state[0] - std::cos(row.t))};
 };
 
-program::Report report(const Oscillator& oscillator) {
-  const auto start = [&](const measure::Method& method) {
-    return std::make_unique<measure::Motion<Oscillator>>(oscillator, method);
+measure::Report report(const Oscillator& oscillator) {
+  const auto start = [&](const mechanics::Method& method) {
+    return std::make_unique<mechanics::Motion<Oscillator>>(oscillator, method);
   };
   return {"Oscillator",
           3.0,
@@ -71,7 +72,7 @@ program::Report report(const Oscillator& oscillator) {
 }  // namespace
 
 TEST_CASE("a motion keeps time without gathering rounding") {
-  measure::Motion<Oscillator> motion(Oscillator{}, {});
+  mechanics::Motion<Oscillator> motion(Oscillator{}, {});
   motion.advance(1000000, 1e-3);
   CHECK(motion.time() == 1000.0);
   CHECK(motion.evaluations() == 4000000);
@@ -81,8 +82,8 @@ TEST_CASE("a motion keeps time without gathering rounding") {
 }
 
 TEST_CASE("a ladder has the promised rungs, evaluations and orders") {
-  const program::Report result = report({});
-  CHECK(program::methods(result) == std::vector<std::string>{"explicit_euler", "rk4"});
+  const measure::Report result = report({});
+  CHECK(measure::methods(result) == std::vector<std::string>{"explicit_euler", "rk4"});
   CHECK(result.rungs.size() >= 16);
   const measure::Rung* coarse = nullptr;
   for (const measure::Rung& rung : result.rungs) {
@@ -98,11 +99,11 @@ TEST_CASE("a ladder has the promised rungs, evaluations and orders") {
 
 TEST_CASE("a ladder of tolerances divides each by ten and tells the mean of its steps") {
   const auto rungs = measure::climb(
-      {.methods = {{.integrator = integrators::Name::dop853, .tolerance = 1e-2}},
+      {.methods = {{.integrator = integrators::Scheme::dop853, .tolerance = 1e-2}},
        .duration = 3.0,
        .coarsest = 0.1},
-      [&](const measure::Method& method) {
-        return std::make_unique<measure::Motion<Oscillator>>(Oscillator{}, method);
+      [&](const mechanics::Method& method) {
+        return std::make_unique<mechanics::Motion<Oscillator>>(Oscillator{}, method);
       },
       errors, [](double, const std::string&) {});
   REQUIRE(rungs.size() == 12);
@@ -117,49 +118,50 @@ TEST_CASE("a ladder of tolerances divides each by ten and tells the mean of its 
 }
 
 TEST_CASE("a method that cannot take its step ends the run with the time and the reason") {
-  measure::Motion<Oscillator> motion(Oscillator{.blow_up_after = 1.5},
-                                     {.integrator = integrators::Name::dop853, .tolerance = 1e-6});
+  mechanics::Motion<Oscillator> motion(
+      Oscillator{.blow_up_after = 1.5},
+      {.integrator = integrators::Scheme::dop853, .tolerance = 1e-6});
   CHECK_THROWS_WITH(motion.advance(1, 3.0),
                     ContainsSubstring("at t = 1.") && ContainsSubstring("no step is short enough"));
   CHECK(std::isfinite(motion.q()));
 }
 
 TEST_CASE("a run that diverges says when and which coordinate") {
-  measure::Motion<Oscillator> motion(Oscillator{.blow_up_after = 1.5}, {});
+  mechanics::Motion<Oscillator> motion(Oscillator{.blow_up_after = 1.5}, {});
   CHECK_THROWS_WITH(motion.advance(30, 0.1),
                     ContainsSubstring("at t = 1.") && ContainsSubstring("v is no longer finite"));
 }
 
 TEST_CASE("a failed run is a row that says why") {
-  const program::Report result = report({.blow_up_after = 1.5});
+  const measure::Report result = report({.blow_up_after = 1.5});
   REQUIRE(!result.rungs.empty());
   for (const measure::Rung& rung : result.rungs) {
     CHECK(rung.errors.empty());
     CHECK(rung.failure.find("finite") != std::string::npos);
   }
-  CHECK(program::table(result).find("failed") != std::string::npos);
-  CHECK(program::csv(result).find("nan") == std::string::npos);
+  CHECK(measure::table(result).find("failed") != std::string::npos);
+  CHECK(measure::csv(result).find("nan") == std::string::npos);
 }
 
 TEST_CASE("a report survives its own file") {
   const auto folder =
       std::filesystem::temp_directory_path() / ("report_test_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
-  program::Report before = report({});
+  measure::Report before = report({});
   before.remark = "why";
-  program::write_file(folder / "r.csv", program::csv(before));
-  const program::Report after = program::read_csv(folder / "r.csv");
-  CHECK(program::csv(after) == program::csv(before));
+  files::write_file(folder / "r.csv", measure::csv(before));
+  const measure::Report after = measure::read_csv(folder / "r.csv");
+  CHECK(measure::csv(after) == measure::csv(before));
   CHECK(after.remark == "why");
-  CHECK(program::table(after).size() > 100);
+  CHECK(measure::table(after).size() > 100);
   std::ofstream(folder / "broken.csv") << "method,order\nrk4,four\n";
-  CHECK_THROWS_WITH(program::read_csv(folder / "broken.csv"), ContainsSubstring("does not fit"));
-  CHECK_THROWS(program::read_csv(folder / "missing.csv"));
+  CHECK_THROWS_WITH(measure::read_csv(folder / "broken.csv"), ContainsSubstring("does not fit"));
+  CHECK_THROWS(measure::read_csv(folder / "missing.csv"));
   std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("time to reach is where the runs come below the level to stay") {
-  program::Report result{"t", 1.0, "m", {{"q", "m"}}, {}, {}};
+  measure::Report result{"t", 1.0, "m", {{"q", "m"}}, {}, {}};
   const auto add = [&](double seconds, const std::vector<double>& error) {
     result.rungs.push_back(
         {"rk4", 4, 0.0, 0.1, 10, 40, seconds, error, 0.0, 0.0, error.empty() ? "failed" : ""});
@@ -168,54 +170,53 @@ TEST_CASE("time to reach is where the runs come below the level to stay") {
   add(1.0, {1e-2});
   add(2.0, {1e-4});
   add(3.0, {1e-5});
-  CHECK(program::time_to_reach(result, "rk4", 1e-3) == Approx(std::sqrt(2.0)));
-  CHECK(program::time_to_reach(result, "rk4", 1e-2) == 1.0);
-  CHECK(std::isinf(program::time_to_reach(result, "rk4", 1e-9)));
+  CHECK(measure::time_to_reach(result, "rk4", 1e-3) == Approx(std::sqrt(2.0)));
+  CHECK(measure::time_to_reach(result, "rk4", 1e-2) == 1.0);
+  CHECK(std::isinf(measure::time_to_reach(result, "rk4", 1e-9)));
   add(3.5, {});
-  CHECK(program::time_to_reach(result, "rk4", 1e-3) == Approx(std::sqrt(2.0)));
+  CHECK(measure::time_to_reach(result, "rk4", 1e-3) == Approx(std::sqrt(2.0)));
   add(4.0, {5e-4});  // below 1e-3, but no longer below 1e-4
-  CHECK(program::time_to_reach(result, "rk4", 1e-3) == Approx(std::sqrt(2.0)));
-  CHECK(std::isinf(program::time_to_reach(result, "rk4", 1e-4)));
+  CHECK(measure::time_to_reach(result, "rk4", 1e-3) == Approx(std::sqrt(2.0)));
+  CHECK(std::isinf(measure::time_to_reach(result, "rk4", 1e-4)));
 }
 
 TEST_CASE("a file appears whole or not at all") {
   const auto folder =
       std::filesystem::temp_directory_path() / ("files_test_" + std::to_string(getpid()));
-  program::make_folder(folder / "a" / "b");
+  files::make_folder(folder / "a" / "b");
   CHECK(std::filesystem::is_empty(folder / "a" / "b"));
   {
-    program::NewFile file(folder / "dropped");
+    files::NewFile file(folder / "dropped");
     file.write("half");
   }
   CHECK(!std::filesystem::exists(folder / "dropped"));
-  program::write_file(folder / "kept", "whole");
+  files::write_file(folder / "kept", "whole");
   CHECK(std::filesystem::file_size(folder / "kept") == 5);
-  CHECK_THROWS_WITH(program::write_file(folder / "missing" / "file", "x"),
+  CHECK_THROWS_WITH(files::write_file(folder / "missing" / "file", "x"),
                     ContainsSubstring("No such file"));
-  CHECK_THROWS_WITH(program::make_folder(folder / "kept" / "sub"),
-                    ContainsSubstring("cannot make"));
-  CHECK_THROWS_WITH(program::write_file(folder / "a", "x"), ContainsSubstring("not a file"));
+  CHECK_THROWS_WITH(files::make_folder(folder / "kept" / "sub"), ContainsSubstring("cannot make"));
+  CHECK_THROWS_WITH(files::write_file(folder / "a", "x"), ContainsSubstring("not a file"));
   std::filesystem::remove(folder / "kept");
   CHECK(std::distance(std::filesystem::directory_iterator(folder), {}) == 1);
   std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("numbers on the command line are read whole and in their range") {
-  using program::number;
-  CHECK(number("--a", "1e3", program::any) == 1000.0);
-  CHECK(number("--a", "-0.5", program::any) == -0.5);
-  CHECK(number("--a", "+2", program::any) == 2.0);
+  using app::number;
+  CHECK(number("--a", "1e3", app::any) == 1000.0);
+  CHECK(number("--a", "-0.5", app::any) == -0.5);
+  CHECK(number("--a", "+2", app::any) == 2.0);
   for (const char* bad :
        {"", "x", "1x", "nan", "inf", "-inf", "1e400", "1e-400x", "0x10", "1,5", " 1"}) {
     INFO(bad);
-    CHECK_THROWS_AS(number("--a", bad, program::any), program::UsageError);
+    CHECK_THROWS_AS(number("--a", bad, app::any), app::UsageError);
   }
-  CHECK_THROWS_WITH(number("--mass", "-1", program::positive),
+  CHECK_THROWS_WITH(number("--mass", "-1", app::positive),
                     ContainsSubstring("--mass -1") && ContainsSubstring("allowed"));
 }
 
 TEST_CASE("the last step is shorter where the duration is no whole number of steps") {
-  program::RunOptions run{.duration = 1.0, .step = 0.3};
+  measure::RunOptions run{.duration = 1.0, .step = 0.3};
   CHECK(run.whole_steps() == 3);
   CHECK(run.remainder() == Approx(0.1));
   run.step = 0.1;

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "dynamics/things.hpp"
+#include "mechanics/dynamics/things.hpp"
 
 namespace joints {
 

@@ -7,10 +7,10 @@
 #include <random>
 
 #include "catch.hpp"
-#include "dynamics/system.hpp"
-#include "integrators/rk4.hpp"
-#include "joints/prismatic.hpp"
-#include "joints/revolute.hpp"
+#include "mechanics/dynamics/system.hpp"
+#include "mechanics/integrators/rk4.hpp"
+#include "mechanics/joints/prismatic.hpp"
+#include "mechanics/joints/revolute.hpp"
 
 using dynamics::Body;
 using dynamics::Vector2d;

@@ -3,17 +3,17 @@
 #include <string>
 
 #include "catch.hpp"
-#include "program/stability.hpp"
+#include "instruments/measure/cases.hpp"
 
 /// That every stiff and extreme case of a chapter ends as the chapter says, that its maps agree
 /// with theory, and that its long runs grow or stay bounded as expected. Under the sanitizers,
 /// which are slow, the maps are coarse and the long runs are left out.
-inline void check_stability(const program::Stability& stability) {
+inline void check_stability(const measure::Stability& stability) {
 #ifdef __SANITIZE_ADDRESS__
   constexpr int across = 6;
 #else
   constexpr int across = 12;  // half of what `stability` itself measures and judges
-  const program::LongRun& run = stability.long_run;
+  const measure::LongRun& run = stability.long_run;
   for (const measure::LongMethod& method : run.methods) {
     const measure::LongCurve curve =
         measure::long_run(*run.start(method.method), method, run.steps, run.step);
@@ -21,17 +21,17 @@ inline void check_stability(const program::Stability& stability) {
     CHECK(curve.bounded() == curve.expected_bounded);
   }
 #endif
-  for (const program::Case& trial : stability.cases) {
-    const program::Verdict verdict = program::judge(trial);
+  for (const measure::Case& trial : stability.cases) {
+    const measure::CaseResult verdict = measure::judge(trial);
     INFO(verdict.name << ": expected " << verdict.expected << ", found " << verdict.found);
     CHECK(verdict.as_expected);
   }
-  CHECK(stability.plans.size() == integrators::methods.size());
+  CHECK(stability.plans.size() == integrators::schemes.size());
   for (const measure::Plan& plan : stability.plans) {
     const measure::Map map = measure::measure_map(plan, across);
-    INFO(std::string(integrators::method(plan.integrator).text)
+    INFO(std::string(integrators::info(plan.integrator).text)
          << ": " << map.agreeing() << " of " << map.compared());
     CHECK(map.compared() > 0);
-    CHECK(program::judge(map).as_expected);
+    CHECK(measure::judge(map).as_expected);
   }
 }

@@ -6,19 +6,19 @@
 #include <stdexcept>
 
 #include "catch.hpp"
-#include "integrators/amplification.hpp"
-#include "joints/revolute.hpp"
-#include "measure/watch.hpp"
-#include "program/mechanism.hpp"
-#include "program/stability.hpp"
+#include "instruments/measure/cases.hpp"
+#include "mechanics/integrators/amplification.hpp"
+#include "mechanics/joints/revolute.hpp"
+#include "mechanics/motion/mechanism.hpp"
+#include "mechanics/motion/watch.hpp"
 
 namespace {
 
-using integrators::Name;
-using measure::Method;
-using measure::Stabilization;
-using program::Mechanism;
-using Motion = measure::Motion<Mechanism>;
+using integrators::Scheme;
+using mechanics::Mechanism;
+using mechanics::Method;
+using mechanics::Stabilization;
+using Motion = mechanics::Motion<Mechanism>;
 
 /// A uniform rod of 1 m and 1 kg, pinned at its start; level and at rest, in free fall without pin.
 Mechanism rod(const Method& method, bool pinned = true) {
@@ -35,7 +35,7 @@ Mechanism rod(const Method& method, bool pinned = true) {
 std::string message(Motion& motion, long steps, double h) {
   try {
     measure::run_and_watch(motion, steps, h);
-  } catch (const measure::Diverged& diverged) {
+  } catch (const mechanics::Diverged& diverged) {
     return diverged.what();
   }
   return "";
@@ -51,14 +51,14 @@ TEST_CASE("drive and kinetic energy: a free fall gains just what the bound allow
   // √(2T) = √m g t and √(FᵀWF) = √m g: the bound of Watch is met with equality.
   Motion fall(rod({}, false), {});
   fall.advance(100, 0.01);
-  const measure::Measures now = fall.measures();
+  const mechanics::Measures now = fall.measures();
   CHECK(std::sqrt(2.0 * now.kinetic) == Approx(9.81).epsilon(1e-12));
   CHECK(now.drive == Approx(9.81).epsilon(1e-15));
   // Under a pin the kinetic energy stays below it.
   Motion swing(rod({}), {});
   for (int i = 0; i < 500; ++i) {
     swing.advance(1, 0.002);
-    const measure::Measures at = swing.measures();
+    const mechanics::Measures at = swing.measures();
     REQUIRE(std::sqrt(2.0 * at.kinetic) < 9.81 * swing.time());
   }
 }
@@ -76,7 +76,7 @@ TEST_CASE("distance to the constraints: what the least push in the mass metric h
 }
 
 TEST_CASE("a run that diverges is noticed: when, where, by which measure") {
-  const Method wild{Name::rk4, Stabilization::feedback, 9e6, 6e3};  // h√ks = 3
+  const Method wild{Scheme::rk4, Stabilization::feedback, 9e6, 6e3};  // h√ks = 3
   Motion motion(rod(wild), wild);
   std::string text = message(motion, 2000, 1e-3);
   INFO(text);
@@ -98,7 +98,7 @@ TEST_CASE("a run that diverges is noticed: when, where, by which measure") {
   CHECK(holds(text, "the constraint error"));
   CHECK(motion.measures().constraint_error < 1e6 * 1e-8);
 
-  const Method tame{Name::rk4, Stabilization::feedback, 6.25e6, 5e3};  // h√ks = 2.5
+  const Method tame{Scheme::rk4, Stabilization::feedback, 6.25e6, 5e3};  // h√ks = 2.5
   Motion stable(rod(tame), tame);
   stable.nudge(1e-6);
   CHECK(message(stable, 2000, 1e-3).empty());
@@ -106,7 +106,7 @@ TEST_CASE("a run that diverges is noticed: when, where, by which measure") {
 
 TEST_CASE("feedback from a wrong start may move as fast as it must") {
   // An undamped spring of √ks = 1000 1/s pulls the rod back over 0.3 m: 300 m/s and no divergence.
-  const Method pull{Name::rk4, Stabilization::feedback, 1e6, 0.0};
+  const Method pull{Scheme::rk4, Stabilization::feedback, 1e6, 0.0};
   Motion motion(rod(pull), pull);
   motion.nudge(0.3);
   CHECK(message(motion, 200, 1e-4).empty());
@@ -127,18 +127,18 @@ struct Stiffening : Mechanism {
 }  // namespace
 
 TEST_CASE("a tolerance whose steps collapse ends the run, one that takes many evenly does not") {
-  const Method method{Name::dop853, Stabilization::none, 0.0, 0.0, 1e-6};
+  const Method method{Scheme::dop853, Stabilization::none, 0.0, 0.0, 1e-6};
   const auto run = [&](double rate) -> std::string {
     Mechanism free = rod({}, false);
     Stiffening model{method};
     model.system = std::move(free.system);
     model.start_as_given();
     model.rate = rate;
-    measure::Motion<Stiffening> motion(std::move(model), method);
+    mechanics::Motion<Stiffening> motion(std::move(model), method);
     try {
       motion.advance(10, 1.0);
-    } catch (const measure::Diverged& diverged) {
-      CHECK(diverged.trouble == measure::Trouble::tolerance);
+    } catch (const mechanics::Diverged& diverged) {
+      CHECK(diverged.trouble == mechanics::Trouble::tolerance);
       return diverged.what();
     }
     return "";
@@ -150,29 +150,29 @@ TEST_CASE("a tolerance whose steps collapse ends the run, one that takes many ev
 }
 
 TEST_CASE("a case is as expected only when its outcome is the one written beside it") {
-  const auto ends = [](program::Expected expected, std::function<double()> run) {
-    return program::judge({"", "", std::move(expected), std::move(run)}).as_expected;
+  const auto ends = [](measure::Expected expected, std::function<double()> run) {
+    return measure::judge({"", "", std::move(expected), std::move(run)}).as_expected;
   };
   const auto gives = [](double figure) { return [=] { return figure; }; };
   const auto refuses = [](const char* text) {
     return [=]() -> double { throw std::runtime_error(text); };
   };
-  CHECK(ends(program::accurate(1e-6), gives(1e-7)));
-  CHECK_FALSE(ends(program::accurate(1e-6), gives(1e-5)));
-  CHECK_FALSE(ends(program::accurate(1e-6), gives(std::nan(""))));
-  CHECK_FALSE(ends(program::accurate(1e-6), refuses("no")));
-  CHECK(ends(program::degraded(1e-6, 1e-3), gives(1e-4)));
-  CHECK_FALSE(ends(program::degraded(1e-6, 1e-3), gives(1e-8)));  // better is another outcome
-  CHECK_FALSE(ends(program::degraded(1e-6, 1e-3), gives(1.0)));
-  CHECK(ends(program::refused("too short"), refuses("the rod is too short")));
-  CHECK_FALSE(ends(program::refused("too short"), refuses("something else")));
-  CHECK_FALSE(ends(program::refused("too short"), gives(0.0)));
+  CHECK(ends(measure::accurate(1e-6), gives(1e-7)));
+  CHECK_FALSE(ends(measure::accurate(1e-6), gives(1e-5)));
+  CHECK_FALSE(ends(measure::accurate(1e-6), gives(std::nan(""))));
+  CHECK_FALSE(ends(measure::accurate(1e-6), refuses("no")));
+  CHECK(ends(measure::degraded(1e-6, 1e-3), gives(1e-4)));
+  CHECK_FALSE(ends(measure::degraded(1e-6, 1e-3), gives(1e-8)));  // better is another outcome
+  CHECK_FALSE(ends(measure::degraded(1e-6, 1e-3), gives(1.0)));
+  CHECK(ends(measure::refused("too short"), refuses("the rod is too short")));
+  CHECK_FALSE(ends(measure::refused("too short"), refuses("something else")));
+  CHECK_FALSE(ends(measure::refused("too short"), gives(0.0)));
 }
 
 TEST_CASE("a map counts what differs from theory") {
   // Ten cells of 0.2 across 0 ... 2. Theory: stable up to x = 1.05, which crosses the sixth column.
   // "Measured": stable left of x = 0.5, so the columns at 0.5, 0.7 and 0.9 differ.
-  const measure::Plan plan{Name::rk4,
+  const measure::Plan plan{Scheme::rk4,
                            "x",
                            "y",
                            2.0,
@@ -190,10 +190,10 @@ TEST_CASE("the limit of feedback that is measured on a joint is that of theory")
   };
   // Closed forms at critical damping: explicit Euler 2, semi-implicit Euler 2√2 − 2.
   const measure::FeedbackTrial trial{.step = 1e-6, .nudge = 1e-6, .steps = 8000};
-  CHECK(measure::measured_limit(Name::explicit_euler, start, trial) == Approx(2.0).epsilon(5e-3));
-  CHECK(measure::measured_limit(Name::semi_implicit_euler, start, trial) ==
+  CHECK(measure::measured_limit(Scheme::explicit_euler, start, trial) == Approx(2.0).epsilon(5e-3));
+  CHECK(measure::measured_limit(Scheme::semi_implicit_euler, start, trial) ==
         Approx(2.0 * std::numbers::sqrt2 - 2.0).epsilon(5e-3));
-  CHECK(measure::theoretical_limit(Name::rk4) == Approx(2.7853).epsilon(1e-4));
+  CHECK(measure::theoretical_limit(Scheme::rk4) == Approx(2.7853).epsilon(1e-4));
 }
 
 TEST_CASE("the exponent of a long run") {

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "01_particle_on_curve_implicit/held_bead.hpp"
 #include "01_particle_on_curve_implicit/pictures.hpp"
 #include "02_parametric_lagrangian/pictures.hpp"
 #include "03_global_jacobian_solver/pictures.hpp"
@@ -15,29 +16,28 @@
 #include "05_revolute/pictures.hpp"
 #include "06_prismatic/pictures.hpp"
 #include "07_slider_crank/pictures.hpp"
+#include "app/chapter.hpp"
+#include "app/player.hpp"
 #include "catch.hpp"
-#include "draw/offscreen.hpp"
-#include "joints/revolute.hpp"
-#include "parabola/held_bead.hpp"
-#include "program/chapter.hpp"
-#include "program/mechanism_stage.hpp"
-#include "program/player.hpp"
+#include "instruments/draw/offscreen.hpp"
+#include "instruments/pictures/mechanism_stage.hpp"
+#include "mechanics/joints/revolute.hpp"
 
 namespace {
 
-using program::RunOptions;
-using program::Stage;
+using measure::RunOptions;
+using pictures::Stage;
 
 const RunOptions crank_run{.duration = 2.0, .step = 0.001};
 
 draw::Image picture(Stage& stage) {
-  return draw::render({.scale = 0.5}, [&](draw::Pen& pen) { program::draw_page(pen, stage); });
+  return draw::render({.scale = 0.5}, [&](draw::Pen& pen) { pictures::draw_page(pen, stage); });
 }
 
 bool same(const draw::Image& a, const draw::Image& b) { return a.rgba == b.rgba; }
 
 /// A rod that hangs from a pin, at rest, with a hand on it.
-class Rod final : public program::MechanismStage {
+class Rod final : public pictures::MechanismStage {
  public:
   explicit Rod(const RunOptions& run, double half_width = 1.2)
       : MechanismStage(run, make(run.method)) {
@@ -68,8 +68,8 @@ class Rod final : public program::MechanismStage {
   draw::Point on_page(const Eigen::Vector2d& x) const { return lens_.to_page({x.x(), x.y()}); }
 
  private:
-  static program::Mechanism make(const measure::Method& method) {
-    program::Mechanism mechanism(method);
+  static mechanics::Mechanism make(const mechanics::Method& method) {
+    mechanics::Mechanism mechanism(method);
     dynamics::System& system = mechanism.system;
     const auto rod = system.add_body("rod", 1.0, 1.0 / 12.0, {0.0, 0.5}, std::acos(0.0));
     system.add("pin", joints::Revolute{.u1 = {-0.5, 0.0}}, rod, dynamics::System::world);
@@ -77,7 +77,7 @@ class Rod final : public program::MechanismStage {
     mechanism.assemble();
     return mechanism;
   }
-  void draw_things(draw::Canvas& canvas, const program::Show&) override { lens_ = canvas.lens(); }
+  void draw_things(draw::Canvas& canvas, const pictures::Show&) override { lens_ = canvas.lens(); }
   std::vector<draw::Point> marks() const override { return {{motion.q()[0], motion.q()[1]}}; }
   double force() override { return 1.0; }
   draw::Point half_size(const dynamics::ThingInfo&) const override { return {0.5, 0.0}; }
@@ -97,7 +97,7 @@ void take_end(Rod& rod, const Eigen::Vector2d& to) {
 /// Where a colour stands in a picture of a stage, bodies and gaps alone, in points.
 std::vector<draw::Point> places(Stage& stage, const draw::Color& color) {
   const draw::Image image = draw::render({.scale = 1.0}, [&](draw::Pen& pen) {
-    program::draw_page(pen, stage, {.forces = false, .trail = false});
+    pictures::draw_page(pen, stage, {.forces = false, .trail = false});
   });
   std::vector<draw::Point> found;
   for (int y = 0; y < image.height; ++y)
@@ -133,7 +133,7 @@ TEST_CASE(
 }
 
 TEST_CASE("an open joint of any scene is seen, a closed one shows nothing") {
-  constexpr auto euler = integrators::Name::explicit_euler;
+  constexpr auto euler = integrators::Scheme::explicit_euler;
   using Make = std::function<std::unique_ptr<Stage>(const RunOptions&)>;
   const std::vector<std::tuple<const char*, Make, RunOptions>> scenes{
       {"1", [](const RunOptions& run) { return particle_on_curve::stage({}, run); }, {20.0, 0.1}},
@@ -164,14 +164,14 @@ TEST_CASE("an open joint of any scene is seen, a closed one shows nothing") {
 }
 
 TEST_CASE("a number on a label is short, whatever it is") {
-  CHECK(program::rounded(9.81) == "9.81");
-  CHECK(program::rounded(0.0) == "0.00");
-  CHECK(program::rounded(-12.345, 1) == "-12.3");
-  CHECK(program::rounded(2262557168192917.5) == "2.26·10¹⁵");
-  CHECK(program::rounded(1.5e-7) == "1.50·10⁻⁷");
+  CHECK(pictures::rounded(9.81) == "9.81");
+  CHECK(pictures::rounded(0.0) == "0.00");
+  CHECK(pictures::rounded(-12.345, 1) == "-12.3");
+  CHECK(pictures::rounded(2262557168192917.5) == "2.26·10¹⁵");
+  CHECK(pictures::rounded(1.5e-7) == "1.50·10⁻⁷");
   for (double x = 1e-300; x < 1e300; x *= 7.0) {
     INFO(x);
-    const std::string text = program::rounded(x);
+    const std::string text = pictures::rounded(x);
     const auto letters = std::count_if(text.begin(), text.end(), [](char byte) {
       return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;  // each begins with another byte
     });
@@ -182,14 +182,14 @@ TEST_CASE("a number on a label is short, whatever it is") {
 
 TEST_CASE("without --step a scene that turns faster has a shorter one, the default scene its own") {
   double rate = 1.0;
-  program::Chapter chapter;
+  app::Chapter chapter;
   chapter.defaults = {.duration = 5.0, .step = 0.005};
-  CHECK(program::default_step(chapter, 5.0) == 0.005);
+  CHECK(app::default_step(chapter, 5.0) == 0.005);
   chapter.fastest = [&] { return rate; };
   for (const auto& [turns, step] :
        {std::pair{0.0, 0.005}, {20.0, 0.005}, {50.0, 0.002}, {1e4, 1e-5}, {1e300, 5e-6}}) {
     rate = turns;
-    CHECK(program::default_step(chapter, 5.0) == Approx(step).epsilon(1e-12));
+    CHECK(app::default_step(chapter, 5.0) == Approx(step).epsilon(1e-12));
   }
 }
 
@@ -217,8 +217,8 @@ TEST_CASE("a stage keeps the last duration of its way, and no more") {
 
 TEST_CASE("a run that diverges is remembered up to its end") {
   const auto stage = slider_crank::stage(
-      {}, {.duration = 20.0, .step = 0.02, .method = {integrators::Name::explicit_euler}});
-  CHECK_THROWS_AS(stage->advance(1000), measure::Diverged);
+      {}, {.duration = 20.0, .step = 0.02, .method = {integrators::Scheme::explicit_euler}});
+  CHECK_THROWS_AS(stage->advance(1000), mechanics::Diverged);
   CHECK(stage->samples().back().t == stage->time());
   CHECK(stage->samples().back().errors[0].energy > 1.0);
 }
@@ -227,7 +227,7 @@ TEST_CASE("with a tolerance a stage comes to any time exactly") {
   const auto stage = slider_crank::stage(
       {}, {.duration = 2.0,
            .step = 0.04,
-           .method = {integrators::Name::dop853, measure::Stabilization::none, 0, 0, 1e-9}});
+           .method = {integrators::Scheme::dop853, mechanics::Stabilization::none, 0, 0, 1e-9}});
   for (const double t : {0.1, 0.333, 1.0, 1.01}) {
     stage->advance_to(t);
     CHECK(stage->time() == Approx(t).epsilon(1e-12));
@@ -308,7 +308,7 @@ TEST_CASE("both beads of chapter 2 feel the hand alike") {
   const RunOptions run{.duration = 20.0, .step = 0.01};
   const Eigen::Vector2d hand(3.0, -2.0);
   const auto pull = [&](const Eigen::Vector2d&, const Eigen::Vector2d&) { return hand; };
-  measure::Motion<parabola::HeldBead> held(parabola::HeldBead({.x0 = 20.0}, 0.0, 0.0, pull), {});
+  mechanics::Motion<parabola::HeldBead> held(parabola::HeldBead({.x0 = 20.0}, 0.0, 0.0, pull), {});
   const double energy = held.measures().energy;
   const Eigen::Vector2d start = held.q();
   held.advance(300, run.step);
@@ -342,7 +342,7 @@ TEST_CASE("both beads of chapter 2 feel the hand alike") {
 TEST_CASE("the player follows the wall clock whatever the frame rate") {
   for (const double frame : {1.0 / 240.0, 1.0 / 60.0, 0.21}) {
     INFO(frame);
-    program::Player player;
+    app::Player player;
     long steps = 0;
     double wall = 0.0;
     for (; wall < 3.0; wall += frame)
@@ -354,21 +354,21 @@ TEST_CASE("the player follows the wall clock whatever the frame rate") {
 }
 
 TEST_CASE("the player does not make up for the time in which the program stood still") {
-  program::Player player;
+  app::Player player;
   long steps = 0;
   const auto frame = [&](double wall) {
     player.play(
         wall, 2.0, 0.001, [&](long some) { steps += some; }, [] { return 0.0; });
   };
   frame(600.0);
-  CHECK(steps == std::lround(2.0 * program::Player::longest / 0.001));
+  CHECK(steps == std::lround(2.0 * app::Player::longest / 0.001));
   CHECK(player.kept() < 0.01);
   for (int i = 0; i < 300; ++i) frame(1.0 / 60.0);
   CHECK(player.kept() > 0.95);
 }
 
 TEST_CASE("a step longer than a frame is taken when its time has come") {
-  program::Player player;
+  app::Player player;
   long steps = 0;
   for (int frame = 0; frame < 60; ++frame)
     player.play(
@@ -377,7 +377,7 @@ TEST_CASE("a step longer than a frame is taken when its time has come") {
 }
 
 TEST_CASE("the player drops what does not fit into a frame, and tells how much") {
-  program::Player player;
+  app::Player player;
   long steps = 0;
   double clock = 0.0;
   for (int frame = 0; frame < 200; ++frame)  // each step takes twice as long as it simulates

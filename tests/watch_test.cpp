@@ -2,22 +2,22 @@
 #include <numbers>
 
 #include "catch.hpp"
-#include "integrators/amplification.hpp"
-#include "joints/ground.hpp"
-#include "joints/revolute.hpp"
-#include "measure/ladder.hpp"
-#include "measure/stability.hpp"
-#include "measure/watch.hpp"
-#include "program/mechanism.hpp"
+#include "instruments/measure/ladder.hpp"
+#include "instruments/measure/stability_map.hpp"
+#include "mechanics/integrators/amplification.hpp"
+#include "mechanics/joints/ground.hpp"
+#include "mechanics/joints/revolute.hpp"
+#include "mechanics/motion/mechanism.hpp"
+#include "mechanics/motion/watch.hpp"
 
 namespace {
 
-using integrators::Name;
-using measure::Method;
-using measure::Stabilization;
-using measure::Watch;
-using program::Mechanism;
-using Motion = measure::Motion<Mechanism>;
+using integrators::Scheme;
+using mechanics::Mechanism;
+using mechanics::Method;
+using mechanics::Stabilization;
+using mechanics::Watch;
+using Motion = mechanics::Motion<Mechanism>;
 using Eigen::Vector2d;
 
 /// Lengths, masses and times as parts of a metre, a kilogram and a second.
@@ -47,11 +47,11 @@ Mechanism plate(const Method& method, double offset, double gravity = 9.81) {
 }
 
 /// Runs to the end, looking at each step.
-measure::Verdict run(Motion& motion, long steps, double h, double* largest = nullptr) {
+mechanics::Verdict run(Motion& motion, long steps, double h, double* largest = nullptr) {
   Watch watch(motion);
   for (long i = 0; i < steps; ++i) {
     motion.advance(1, h);
-    const measure::Measures now = motion.measures();
+    const mechanics::Measures now = motion.measures();
     if (largest != nullptr) *largest = std::max(*largest, now.constraint_error);
     watch.look(now);
   }
@@ -67,13 +67,13 @@ bool holds(const std::string& text, const std::string& part) {
 TEST_CASE("reach: the largest distance between points, however they lie") {
   for (int k = 0; k < 40; ++k) {
     const double angle = 0.1 * k, c = std::cos(angle), s = std::sin(angle);
-    measure::Reach reach;
+    mechanics::Reach reach;
     for (const auto& [x, y] : {std::pair{1.0, 2.0}, {4.0, 2.0}, {1.0, 6.0}, {4.0, 6.0}})
       reach.cover(1e3 + c * x - s * y, s * x + c * y);
     CHECK(reach.size() <= 5.0 * (1.0 + 1e-12));
     CHECK(reach.size() >= 4.975);
   }
-  measure::Reach discs;
+  mechanics::Reach discs;
   discs.cover(0.0, 0.0, 1.0);
   discs.cover(3.0, 0.0, 0.5);
   CHECK(discs.size() == Approx(4.5));
@@ -81,7 +81,7 @@ TEST_CASE("reach: the largest distance between points, however they lie") {
 }
 
 TEST_CASE("growth: the largest value, and since when it was above a level") {
-  measure::Growth growth;
+  mechanics::Growth growth;
   for (int i = 0; i <= 1000; ++i) growth.take(0.01 * i, 1e-6 * i * i);  // t²/100
   CHECK(growth.most() == Approx(1.0));
   for (const double level : {1e-4, 0.01, 0.5, 0.99})
@@ -119,7 +119,7 @@ TEST_CASE("a torn pendulum says so, the same in all units, and a right one says 
   for (const Units& u : {Units{}, Units{1e6, 1e3, 1e2}, Units{1e-6, 1e-9, 1e-3}}) {
     CAPTURE(u.L);
     Motion coarse(pendulum({}, u), {});
-    const measure::Verdict torn = run(coarse, 10, 0.5 * u.T);
+    const mechanics::Verdict torn = run(coarse, 10, 0.5 * u.T);
     REQUIRE(torn.faults.size() == 2);
     CHECK(torn.words() == "joints and energy");
     static const std::string in_metres = torn.faults[0].words;
@@ -134,7 +134,7 @@ TEST_CASE("a torn pendulum says so, the same in all units, and a right one says 
 
 TEST_CASE("a verdict says since when, and by how much") {
   // A pendulum under explicit Euler gains energy from the first step on.
-  const Method method{Name::explicit_euler, Stabilization::projection};
+  const Method method{Scheme::explicit_euler, Stabilization::projection};
   Motion motion(pendulum(method), method);
   double since = 0.0, kinetic = 0.0;
   std::vector<std::pair<double, double>> errors;
@@ -142,14 +142,14 @@ TEST_CASE("a verdict says since when, and by how much") {
   const double start = motion.measures().balance();
   for (int i = 0; i < 400; ++i) {
     motion.advance(1, 0.005);
-    const measure::Measures now = motion.measures();
+    const mechanics::Measures now = motion.measures();
     watch.look(now);
     kinetic = std::max(kinetic, now.kinetic);
     errors.emplace_back(motion.time(), std::abs(now.balance() - start));
   }
   for (const auto& [t, error] : errors)
     if (since == 0.0 && error > 0.01 * kinetic) since = t;
-  const measure::Verdict verdict = watch.verdict();
+  const mechanics::Verdict verdict = watch.verdict();
   REQUIRE(verdict.words() == "energy");
   const std::string text = verdict.text(), mark = "since t = ";
   REQUIRE(holds(text, mark));
@@ -176,9 +176,9 @@ TEST_CASE("at rest rounding is no energy error, an open start is none that is ta
   const Method none{};
   Motion rest(plate(none, 0.0), none);
   CHECK(run(rest, 500, 0.01).right());
-  const Method feedback{Name::rk4, Stabilization::feedback, 25.0, 10.0};
-  const Method soft{Name::rk4, Stabilization::feedback, 25.0, 0.0};
-  const Method projection{Name::rk4, Stabilization::projection};
+  const Method feedback{Scheme::rk4, Stabilization::feedback, 25.0, 10.0};
+  const Method soft{Scheme::rk4, Stabilization::feedback, 25.0, 0.0};
+  const Method projection{Scheme::rk4, Stabilization::projection};
   for (const Method& method : {none, feedback, soft, projection}) {
     CAPTURE(method.label(), method.kd);
     Motion motion(plate(method, 0.1), method);
@@ -188,7 +188,8 @@ TEST_CASE("at rest rounding is no energy error, an open start is none that is ta
 
 TEST_CASE("feedback that theory calls stable runs, however high it swings, what grows is stopped") {
   constexpr double h = 0.01, start = 1e-6;
-  for (const Name name : {Name::explicit_euler, Name::semi_implicit_euler, Name::rk4, Name::dop853})
+  for (const Scheme name :
+       {Scheme::explicit_euler, Scheme::semi_implicit_euler, Scheme::rk4, Scheme::dop853})
     for (const double damping : {0.01, 0.1, 1.0, 3.0, 10.0}) {
       // ks and kd at which h is the limit: for ks = 1 that is a number.
       const double limit = integrators::largest_stable_step(name, 1.0, 2.0 * damping);
@@ -200,7 +201,7 @@ TEST_CASE("feedback that theory calls stable runs, however high it swings, what 
         run(motion, steps, h, &most);
         return most / start;
       };
-      CAPTURE(integrators::method(name).text, damping, limit);
+      CAPTURE(integrators::info(name).text, damping, limit);
       for (const double part : {0.5, 0.9, 0.95, 0.98, 0.999}) CHECK_NOTHROW(largest(part, 4000));
       for (const double part : {1.05, 1.3, 3.0}) {
         CAPTURE(part);
@@ -210,7 +211,7 @@ TEST_CASE("feedback that theory calls stable runs, however high it swings, what 
         double most = 0.0;
         const double growth = integrators::amplification(name, h, method.ks, method.kd);
         const long enough = std::lround(20.0 / std::log(growth)) + 100;
-        CHECK_THROWS_AS(run(motion, enough, h, &most), measure::Diverged);
+        CHECK_THROWS_AS(run(motion, enough, h, &most), mechanics::Diverged);
         CHECK(most < 1e6 * start);
       }
     }
@@ -218,7 +219,8 @@ TEST_CASE("feedback that theory calls stable runs, however high it swings, what 
 
 TEST_CASE("a swing is as high as the method's own steps make it") {
   // By stepping the test equation from (C, 0), without a matrix.
-  for (const Name name : {Name::explicit_euler, Name::semi_implicit_euler, Name::rk4, Name::dop853})
+  for (const Scheme name :
+       {Scheme::explicit_euler, Scheme::semi_implicit_euler, Scheme::rk4, Scheme::dop853})
     for (const double damping : {0.1, 1.0, 2.0}) {
       const double h = 0.99 * integrators::largest_stable_step(name, 1.0, 2.0 * damping);
       integrators::Integrator<double> integrator(name, 0.0);
@@ -228,7 +230,7 @@ TEST_CASE("a swing is as high as the method's own steps make it") {
                         0.0, C, Cdot, h);
         highest = std::max(highest, std::hypot(C, Cdot));
       }
-      CAPTURE(integrators::method(name).text, damping, highest);
+      CAPTURE(integrators::info(name).text, damping, highest);
       const double swing = integrators::largest_swing(name, h, 1.0, 2.0 * damping);
       CHECK(4.0 * swing > highest);
       CHECK(swing < 20.0 * std::max(1.0, highest));

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "measure/simulation.hpp"
-#include "parabola/exact.hpp"
+#include "exact_motion.hpp"
+#include "mechanics/motion/motion.hpp"
 
 namespace particle_on_curve {
 
@@ -30,7 +30,7 @@ inline Exact exact(const parabola::Scene& scene, const parabola::ExactMotion& mo
 }
 
 /// Distance to the exact state, for position [m], velocity [m/s] and constraint force [N].
-inline std::vector<double> errors(const parabola::Scene& scene, const measure::Row& row) {
+inline std::vector<double> errors(const parabola::Scene& scene, const mechanics::Row& row) {
   const Exact truth = exact(scene, parabola::ExactMotion(scene), row.t);
   const Eigen::Vector2d x(row.state[0], row.state[1]), v(row.state[2], row.state[3]);
   const Eigen::Vector2d force(row.reactions[0], row.reactions[1]);

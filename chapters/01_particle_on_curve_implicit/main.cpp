@@ -1,39 +1,38 @@
 // Chapter 1: a particle on a curve, held there by the force that its constraint asks for.
 //
 // The particle has two coordinates, the curve takes one away: C(x, y) = x² + 2py = 0. The model
-// computes the one force along ∇C that keeps C̈ = 0; see parabola/implicit_bead.hpp.
+// computes the one force along ∇C that keeps C̈ = 0; see implicit_bead.hpp.
 
+#include "app/chapter.hpp"
 #include "exact.hpp"
-#include "parabola/implicit_bead.hpp"
+#include "implicit_bead.hpp"
 #include "pictures.hpp"
-#include "program/chapter.hpp"
 #include "stability.hpp"
 
 int main(int argc, char** argv) {
   parabola::Scene scene;
-  program::Chapter chapter;
+  app::Chapter chapter;
   chapter.directory = "01_particle_on_curve_implicit";
   chapter.title = "Particle on a curve, implicit";
 
   chapter.parameters = {
-      {"--x0", "m", "start, at rest", &scene.x0, program::any},
-      {"--mass", "kg", "mass of the particle", &scene.mass, program::positive, program::acts},
-      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative,
-       program::acts},
-      {"--p", "m", "half the parameter of the parabola x² + 2py = 0", &scene.p, program::positive},
-      {"--force-x", "N", "constant horizontal force", &scene.force_x, program::any, program::acts},
+      {"--x0", "m", "start, at rest", &scene.x0, app::any},
+      {"--mass", "kg", "mass of the particle", &scene.mass, app::positive, app::acts},
+      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, app::not_negative, app::acts},
+      {"--p", "m", "half the parameter of the parabola x² + 2py = 0", &scene.p, app::positive},
+      {"--force-x", "N", "constant horizontal force", &scene.force_x, app::any, app::acts},
   };
   chapter.defaults = {.duration = 20.0, .step = 0.01};
   chapter.constraint_unit = "m²";
   chapter.fastest = [&scene] { return scene.fastest(); };
 
-  chapter.start = [&scene](const measure::Method& method) {
-    return std::make_unique<measure::Motion<parabola::ImplicitBead>>(
+  chapter.start = [&scene](const mechanics::Method& method) {
+    return std::make_unique<mechanics::Motion<parabola::ImplicitBead>>(
         parabola::ImplicitBead(scene, method.ks, method.kd), method);
   };
 
   chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}, {"constraint force", "N"}};
-  chapter.errors = [&scene](const measure::Row& row) {
+  chapter.errors = [&scene](const mechanics::Row& row) {
     return particle_on_curve::errors(scene, row);
   };
 
@@ -44,11 +43,11 @@ int main(int argc, char** argv) {
 
   chapter.stability = particle_on_curve::stability;
 
-  chapter.pictures = [&scene](const program::RunOptions& run) {
+  chapter.pictures = [&scene](const measure::RunOptions& run) {
     return particle_on_curve::pictures(scene, run);
   };
-  chapter.stage = [&scene](const program::RunOptions& run) {
+  chapter.stage = [&scene](const measure::RunOptions& run) {
     return particle_on_curve::stage(scene, run);
   };
-  return program::run_chapter(argc, argv, chapter);
+  return app::run_chapter(argc, argv, chapter);
 }

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "draw/canvas.hpp"
-#include "draw/page.hpp"
 #include "erratum.hpp"
-#include "parabola/exact.hpp"
-#include "parabola/held_bead.hpp"
-#include "parabola/implicit_bead.hpp"
-#include "parabola/pictures.hpp"
+#include "exact_motion.hpp"
+#include "held_bead.hpp"
+#include "implicit_bead.hpp"
+#include "instruments/draw/canvas.hpp"
+#include "instruments/draw/page.hpp"
+#include "track.hpp"
 #include "turned_off.hpp"
 
 namespace particle_on_curve {
@@ -19,16 +19,16 @@ namespace {
 
 using draw::Canvas;
 using Eigen::Vector2d;
-using measure::Stabilization;
+using measure::RunOptions;
+using mechanics::Stabilization;
 using parabola::ImplicitBead;
 using parabola::point;
 using parabola::Scene;
-using program::Picture;
-using program::RunOptions;
+using pictures::Picture;
 
-using Motion = measure::Motion<ImplicitBead>;
+using Motion = mechanics::Motion<ImplicitBead>;
 
-Motion motion(const Scene& scene, const measure::Method& method) {
+Motion motion(const Scene& scene, const mechanics::Method& method) {
   return {ImplicitBead(scene, method.ks, method.kd), method};
 }
 
@@ -53,7 +53,7 @@ void draw_forces(Canvas& canvas, const Scene& scene, const Instant& instant,
   const auto& theme = canvas.theme();
   const auto arrow = [&](const Vector2d& force, draw::Color color, const std::string& name) {
     canvas.arrow(point(instant.x), point(metres_per_newton * force), color,
-                 labelled ? fmt::format("{} {} N", name, program::rounded(force.norm())) : "");
+                 labelled ? fmt::format("{} {} N", name, pictures::rounded(force.norm())) : "");
   };
   arrow({0.0, scene.applied_force().y()}, theme.weight, "weight");
   if (scene.force_x != 0.0) arrow({scene.force_x, 0.0}, theme.applied_force, "applied force");
@@ -77,7 +77,7 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
   const std::string caption = fmt::format(
       "At rest at x = {:g} m. The forces on the particle add up to {} N along the curve: it "
       "starts to slide.",
-      scene.x0, program::rounded(sum.norm()));
+      scene.x0, pictures::rounded(sum.norm()));
   return {"scene", [=](draw::Pen& pen) {
             Canvas canvas(pen, draw::page(pen, "A particle on the curve x² + 2py = 0", caption),
                           view);
@@ -91,7 +91,7 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
                 x < 0.0 ? draw::Align::left : draw::Align::right, {x < 0.0 ? 16.0 : -16.0, -8.0});
             canvas.arrow(point(instant.x), point(scale * sum), canvas.theme().muted);
             canvas.label(point(instant.x + scale * sum),
-                         fmt::format("sum {} N", program::rounded(sum.norm())),
+                         fmt::format("sum {} N", pictures::rounded(sum.norm())),
                          canvas.theme().muted, draw::Font::text, draw::Align::right, {-36.0, 0.0});
             draw_forces(canvas, scene, instant, scale);
             parabola::draw_bead(canvas, scene, instant.x);
@@ -115,7 +115,7 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
   const Instant& middle = instants[exposures / 2];
   const double weight = scene.applied_force().y();
   std::string caption = fmt::format("At t = {:.2f} s the curve carries {} N", middle.t,
-                                    program::rounded(middle.constraint_force.norm()));
+                                    pictures::rounded(middle.constraint_force.norm()));
   if (weight > 0.0)
     caption += fmt::format(", {:.2f} times the weight", middle.constraint_force.norm() / weight);
   caption += fmt::format(" ({}, step {:g} s).", run.method.label(), run.step);
@@ -143,73 +143,74 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
       }};
 }
 
-program::Drift drift(const Scene& scene, const measure::Method& method, double duration,
-                     double step) {
+pictures::Drift drift(const Scene& scene, const mechanics::Method& method, double duration,
+                      double step) {
   Motion particle = motion(scene, method);
-  return program::drift(method.label(), particle, duration, step);
+  return pictures::drift(method.label(), particle, duration, step);
 }
 
 Picture drift_picture(const Scene& scene, const RunOptions& run) {
-  std::vector<program::Drift> drifts;
-  for (const auto& method : integrators::methods)
-    drifts.push_back(drift(scene, {.integrator = method.name}, run.duration, run.step));
+  std::vector<pictures::Drift> drifts;
+  for (const auto& scheme : integrators::schemes)
+    drifts.push_back(drift(scene, {.integrator = scheme.id}, run.duration, run.step));
   const std::string caption = fmt::format(
       "No stabilization, step {:g} s, {:g} s: explicit Euler strays to |C| = {} m², "
       "RK4 to {} m², dop853 to {} m².",
-      run.step, run.duration, program::figure(drifts.front().largest_constraint_error),
-      program::figure(drifts[3].largest_constraint_error),
-      program::figure(drifts[4].largest_constraint_error));
-  return program::drift_picture("drift", "How five methods leave the curve", caption, drifts, "m²");
+      run.step, run.duration, pictures::figure(drifts.front().largest_constraint_error),
+      pictures::figure(drifts[3].largest_constraint_error),
+      pictures::figure(drifts[4].largest_constraint_error));
+  return pictures::drift_picture("drift", "How five methods leave the curve", caption, drifts,
+                                 "m²");
 }
 
 Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
   const double duration = 10.0 * run.duration;  // long enough to tell what grows from what does not
-  std::vector<program::Drift> drifts;
-  for (const measure::Method& method :
-       {measure::Method{},
-        measure::Method{integrators::Name::rk4, Stabilization::feedback, 4.0, 4.0},
-        measure::Method{integrators::Name::rk4, Stabilization::projection}})
+  std::vector<pictures::Drift> drifts;
+  for (const mechanics::Method& method :
+       {mechanics::Method{},
+        mechanics::Method{integrators::Scheme::rk4, Stabilization::feedback, 4.0, 4.0},
+        mechanics::Method{integrators::Scheme::rk4, Stabilization::projection}})
     drifts.push_back(drift(scene, method, duration, run.step));
   const std::string caption = fmt::format(
       "RK4, {:g} s with a step of {:g} s: largest |C| {} m² alone, {} m² with feedback (ks = 4, kd "
       "= 4), rounding "
       "with projection.",
-      duration, run.step, program::figure(drifts[0].largest_constraint_error),
-      program::figure(drifts[1].largest_constraint_error));
-  return program::drift_picture("stabilization", "Holding the drift down", caption, drifts, "m²");
+      duration, run.step, pictures::figure(drifts[0].largest_constraint_error),
+      pictures::figure(drifts[1].largest_constraint_error));
+  return pictures::drift_picture("stabilization", "Holding the drift down", caption, drifts, "m²");
 }
 
 Picture erratum_picture(Scene scene, const RunOptions& run) {
   if (scene.force_x == 0.0) scene.force_x = 5.0;
-  measure::Motion<AsPrinted> printed(AsPrinted(scene), {});
+  mechanics::Motion<AsPrinted> printed(AsPrinted(scene), {});
   Motion right = motion(scene, {});
-  const std::vector<program::Drift> drifts{
-      program::drift("100·x·Fx, as printed", printed, run.duration, run.step),
-      program::drift("50·x·Fx, as derived", right, run.duration, run.step)};
+  const std::vector<pictures::Drift> drifts{
+      pictures::drift("100·x·Fx, as printed", printed, run.duration, run.step),
+      pictures::drift("50·x·Fx, as derived", right, run.duration, run.step)};
   const std::string caption = fmt::format(
       "With a horizontal force of {:g} N the printed formula strays to |C| = {} m², the "
       "derived one to {} m².",
-      scene.force_x, program::figure(drifts[0].largest_constraint_error),
-      program::figure(drifts[1].largest_constraint_error));
-  return program::drift_picture("erratum", "The article's misprint, exposed by a horizontal force",
-                                caption, drifts, "m²");
+      scene.force_x, pictures::figure(drifts[0].largest_constraint_error),
+      pictures::figure(drifts[1].largest_constraint_error));
+  return pictures::drift_picture("erratum", "The article's misprint, exposed by a horizontal force",
+                                 caption, drifts, "m²");
 }
 
 Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
-  measure::Motion<WithoutJdotV> without(WithoutJdotV(scene), {});
+  mechanics::Motion<WithoutJdotV> without(WithoutJdotV(scene), {});
   Motion with = motion(scene, {});
-  const std::vector<program::Drift> drifts{
-      program::drift("without 2 m vx²", without, run.duration, run.step),
-      program::drift("with 2 m vx²", with, run.duration, run.step)};
+  const std::vector<pictures::Drift> drifts{
+      pictures::drift("without 2 m vx²", without, run.duration, run.step),
+      pictures::drift("with 2 m vx²", with, run.duration, run.step)};
   const std::string caption = fmt::format(
       "Without 2 m vx² the particle strays to |C| = {} m², with it to {} m² (rk4, step {:g} s).",
-      program::figure(drifts[0].largest_constraint_error),
-      program::figure(drifts[1].largest_constraint_error), run.step);
-  return program::drift_picture("turned_off", "The term that follows the bend, left out", caption,
-                                drifts, "m²");
+      pictures::figure(drifts[0].largest_constraint_error),
+      pictures::figure(drifts[1].largest_constraint_error), run.step);
+  return pictures::drift_picture("turned_off", "The term that follows the bend, left out", caption,
+                                 drifts, "m²");
 }
 
-class BeadStage final : public program::Stage {
+class BeadStage final : public pictures::Stage {
  public:
   BeadStage(const Scene& scene, const RunOptions& run)
       : Stage(run),
@@ -228,12 +229,12 @@ class BeadStage final : public program::Stage {
   std::string caption() override {
     return fmt::format(
         "t = {:.3f} s: x = {} m, speed {} m/s, |C| = {} m² ({}, step {:g} s).", time(),
-        program::rounded(motion_.q().x(), 3), program::rounded(motion_.v().norm(), 3),
-        program::figure(motion_.measures().constraint_error), run().method.label(), run().step);
+        pictures::rounded(motion_.q().x(), 3), pictures::rounded(motion_.v().norm(), 3),
+        pictures::figure(motion_.measures().constraint_error), run().method.label(), run().step);
   }
 
  private:
-  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
+  void draw_scene(draw::Pen& pen, const draw::Rect& area, const pictures::Show& show) override {
     Canvas canvas(pen, area, view());
     open(canvas, show);
     parabola::draw_track(canvas, scene_, view());
@@ -248,7 +249,7 @@ class BeadStage final : public program::Stage {
   }
 
   Instant instant() {
-    const measure::Row row = motion_.row();
+    const mechanics::Row row = motion_.row();
     return {time(), motion_.q(), motion_.v(), {row.reactions[0], row.reactions[1]}};
   }
   std::vector<draw::Point> marks() const override { return {point(motion_.q())}; }
@@ -261,7 +262,7 @@ class BeadStage final : public program::Stage {
   Mass hold(std::size_t, draw::Point) override { return {scene_.mass, scene_.mass}; }
 
   Scene scene_;
-  measure::Motion<parabola::HeldBead> motion_;
+  mechanics::Motion<parabola::HeldBead> motion_;
 };
 
 }  // namespace
@@ -272,7 +273,7 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
           erratum_picture(scene, run), turned_off_picture(scene, run)};
 }
 
-std::unique_ptr<program::Stage> stage(const Scene& scene, const RunOptions& run) {
+std::unique_ptr<pictures::Stage> stage(const Scene& scene, const RunOptions& run) {
   return std::make_unique<BeadStage>(scene, run);
 }
 

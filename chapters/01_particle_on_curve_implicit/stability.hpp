@@ -3,42 +3,43 @@
 #include <memory>
 
 #include "exact.hpp"
-#include "parabola/implicit_bead.hpp"
-#include "program/stability.hpp"
+#include "implicit_bead.hpp"
+#include "instruments/measure/cases.hpp"
 
 namespace particle_on_curve {
 
 /// The stiff and extreme cases of the bead, each with the outcome that is expected of it.
-inline program::Stability stability() {
-  using integrators::Name;
-  using measure::Stabilization;
+inline measure::Stability stability() {
+  using integrators::Scheme;
+  using measure::accurate;
+  using measure::degraded;
+  using measure::drift;
+  using measure::energy_error;
+  using measure::refused;
+  using mechanics::Stabilization;
   using parabola::Scene;
-  using program::accurate;
-  using program::degraded;
-  using program::drift;
-  using program::energy_error;
-  using program::refused;
 
   const auto of = [](const Scene& scene) -> measure::Start {
-    return [scene](const measure::Method& method) {
-      return std::make_unique<measure::Motion<parabola::ImplicitBead>>(
+    return [scene](const mechanics::Method& method) {
+      return std::make_unique<mechanics::Motion<parabola::ImplicitBead>>(
           parabola::ImplicitBead(scene, method.ks, method.kd), method);
     };
   };
-  const measure::Method rk4{Name::rk4}, projected{Name::rk4, Stabilization::projection},
-      feedback{Name::rk4, Stabilization::feedback, 4.0, 4.0},
-      midpoint{Name::implicit_midpoint, Stabilization::projection},
-      adaptive{Name::dop853, Stabilization::projection, 0.0, 0.0, 1e-8};
-  const auto place = [=](const Scene& scene, const measure::Method& method, long steps, double h) {
-    return program::final_error(
-        of(scene), [=](const measure::Row& row) { return errors(scene, row); }, 0, method, steps,
+  const mechanics::Method rk4{Scheme::rk4}, projected{Scheme::rk4, Stabilization::projection},
+      feedback{Scheme::rk4, Stabilization::feedback, 4.0, 4.0},
+      midpoint{Scheme::implicit_midpoint, Stabilization::projection},
+      adaptive{Scheme::dop853, Stabilization::projection, 0.0, 0.0, 1e-8};
+  const auto place = [=](const Scene& scene, const mechanics::Method& method, long steps,
+                         double h) {
+    return measure::final_error(
+        of(scene), [=](const mechanics::Row& row) { return errors(scene, row); }, 0, method, steps,
         h);
   };
-  const auto scene_in = [=](const program::Units& units) {
+  const auto scene_in = [=](const measure::Units& units) {
     return of(Scene{.force_x = 2.0}.scaled(units.length, units.time, units.mass));
   };
 
-  program::Stability stability;
+  measure::Stability stability;
   // [cases]
   stability.cases = {
       // λ∇C balances gravity to some roundings of g: three of them over 10 s are 1.6e-13 m.
@@ -57,9 +58,9 @@ inline program::Stability stability() {
       {"force of 1e6 N across, steps of 1e-5 s", "place, m", accurate(1e-6),
        place({.force_x = 1e6}, projected, 2000, 1e-5)},
       {"feedback past its limit: h√ks = 3", "", refused("kinetic energy"),
-       energy_error(of({}), {Name::rk4, Stabilization::feedback, 9e4, 600.0}, 20000, 0.01)},
+       energy_error(of({}), {Scheme::rk4, Stabilization::feedback, 9e4, 600.0}, 20000, 0.01)},
       {"steps of 5 s with explicit_euler", "", refused("kinetic energy"),
-       energy_error(of({}), {Name::explicit_euler}, 1000, 5.0)},
+       energy_error(of({}), {Scheme::explicit_euler}, 1000, 5.0)},
       {"1e6 steps, rk4 + projection", "energy error, relative", accurate(1e-8),
        energy_error(of({}), projected, 1000000, 0.01)},
       {"1e6 steps, rk4 alone: off the curve", "|C|, m²", degraded(1e-3, 1e3),

@@ -9,10 +9,10 @@
 #include "catch.hpp"
 #include "erratum.hpp"
 #include "exact.hpp"
-#include "integrators/amplification.hpp"
-#include "measure/ladder.hpp"
+#include "implicit_bead.hpp"
+#include "instruments/measure/ladder.hpp"
+#include "mechanics/integrators/amplification.hpp"
 #include "orders.hpp"
-#include "parabola/implicit_bead.hpp"
 #include "picture_check.hpp"
 #include "pictures.hpp"
 #include "stability.hpp"
@@ -20,9 +20,9 @@
 #include "turned_off.hpp"
 
 using Eigen::Vector2d;
-using measure::Method;
-using measure::Motion;
-using measure::Stabilization;
+using mechanics::Method;
+using mechanics::Motion;
+using mechanics::Stabilization;
 using parabola::ExactMotion;
 using parabola::ImplicitBead;
 using parabola::Scene;
@@ -237,14 +237,14 @@ TEST_CASE("a horizontal force exposes the misprint, gravity alone hides it") {
 }
 
 TEST_CASE("position, velocity and constraint force converge with the order of the integrator") {
-  using enum integrators::Name;
+  using enum integrators::Scheme;
   for (const double force_x : {0.0, 5.0}) {
     INFO("Fx " << force_x);
     const Scene scene{.force_x = force_x};
     const measure::Start start = [&](const Method& method) {
       return std::make_unique<Motion<ImplicitBead>>(motion(scene, method));
     };
-    const measure::Errors errors = [&](const measure::Row& row) {
+    const measure::Errors errors = [&](const mechanics::Row& row) {
       return particle_on_curve::errors(scene, row);
     };
     CHECK(check_orders({.methods = {{explicit_euler},
@@ -300,7 +300,8 @@ TEST_CASE("projection brings position and velocity back, along ∇C, and leaves 
 }
 
 TEST_CASE("projection keeps the bead on the curve to rounding, feedback brings it back") {
-  Motion<ImplicitBead> projected = motion({}, {integrators::Name::rk4, Stabilization::projection});
+  Motion<ImplicitBead> projected =
+      motion({}, {integrators::Scheme::rk4, Stabilization::projection});
   projected.advance(200, 0.1);
   CHECK(projected.measures().constraint_error < 1e-11);
   CHECK(projected.measures().velocity_error < 1e-11);
@@ -345,11 +346,11 @@ TEST_CASE("solution 2: at the bottom the curve carries m g (1 + x0²/p²)") {
 
 TEST_CASE("solution 3: within RK4's bound feedback can still throw off a bead that moves fast") {
   const double ks = 1e5, kd = 2 * std::sqrt(ks);
-  const double bound = integrators::largest_stable_step(integrators::Name::rk4, ks, kd);
+  const double bound = integrators::largest_stable_step(integrators::Scheme::rk4, ks, kd);
   CHECK(bound * std::sqrt(ks) == Approx(2.785).epsilon(1e-3));
   const auto miss = [&](double h) {  // at the first step at or after 4 s [m]
     Motion<ImplicitBead> bead =
-        motion({}, {integrators::Name::rk4, Stabilization::feedback, ks, kd});
+        motion({}, {integrators::Scheme::rk4, Stabilization::feedback, ks, kd});
     bead.advance(std::lround(std::ceil(4.0 / h)), h);
     const double q = ExactMotion({}).at(bead.time()).q;
     return (bead.q() - Vector2d(q, Scene{}.height(q))).norm();
@@ -362,7 +363,7 @@ TEST_CASE("solution 3: within RK4's bound feedback can still throw off a bead th
 TEST_CASE("a step allocates nothing") {
   for (const auto stabilization :
        {Stabilization::none, Stabilization::feedback, Stabilization::projection}) {
-    Motion<ImplicitBead> bead = motion({}, {integrators::Name::rk4, stabilization, 1.0, 2.0});
+    Motion<ImplicitBead> bead = motion({}, {integrators::Scheme::rk4, stabilization, 1.0, 2.0});
     const long before = allocations();
     bead.advance(100, 0.01);
     CHECK(allocations() == before);
@@ -371,7 +372,7 @@ TEST_CASE("a step allocates nothing") {
 
 namespace {
 
-const program::RunOptions defaults{.duration = 20.0, .step = 0.01};
+const measure::RunOptions defaults{.duration = 20.0, .step = 0.01};
 
 }  // namespace
 
@@ -385,12 +386,12 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
        {Scene{.x0 = 0.0}, Scene{.x0 = -1e-6}, Scene{.x0 = 1e6}, Scene{.gravity = 0.0},
         Scene{.gravity = 0.0, .force_x = 3.0}, Scene{.p = 1e-3, .force_x = -40.0}}) {
     INFO(scene.x0 << " " << scene.gravity << " " << scene.p);
-    const program::RunOptions run{.duration = 1.0, .step = 0.01};
+    const measure::RunOptions run{.duration = 1.0, .step = 0.01};
     for (const auto& picture : particle_on_curve::pictures(scene, run))
       CHECK_NOTHROW(draw::render({.scale = 0.5}, picture.draw));
     CHECK_NOTHROW(
         draw::render({.width = 480, .height = 300},
-                     program::picture_at(particle_on_curve::stage(scene, run), 0.5).draw));
+                     pictures::picture_at(particle_on_curve::stage(scene, run), 0.5).draw));
   }
 }
 

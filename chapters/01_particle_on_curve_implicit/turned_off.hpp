@@ -1,6 +1,6 @@
 #pragma once
 
-#include "parabola/implicit_bead.hpp"
+#include "implicit_bead.hpp"
 
 namespace particle_on_curve {
 

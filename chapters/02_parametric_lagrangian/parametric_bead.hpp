@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
-#include "measure/simulation.hpp"
-#include "parabola/scene.hpp"
+#include "01_particle_on_curve_implicit/scene.hpp"
+#include "mechanics/motion/motion.hpp"
 
 namespace parametric_lagrangian {
 
@@ -46,7 +46,7 @@ class ParametricBead {
   double initial_velocity() const { return 0.0; }
 
   /// The constraint of chapter 1 and its rate, asked of this particle: nothing but rounding.
-  measure::Measures measures(double, double q, double qdot) const {
+  mechanics::Measures measures(double, double q, double qdot) const {
     const Eigen::Vector2d x = this->x(q), v = this->v(q, qdot);
     const double p = scene_.p;
     return {.energy = scene_.energy(x, v),
@@ -57,7 +57,7 @@ class ParametricBead {
             .drive = scene_.drive()};
   }
   /// The bead and the bottom of its valley.
-  void cover(double q, measure::Reach& reach) const {
+  void cover(double q, mechanics::Reach& reach) const {
     reach.cover(0.0, 0.0);
     reach.cover(x(q).x(), x(q).y());
   }
@@ -68,12 +68,12 @@ class ParametricBead {
     return fmt::format("q = {:.2g} m, q̇ = {:.2g} m/s", q, qdot);
   }
 
-  measure::Columns columns() const {
+  mechanics::Columns columns() const {
     return {{"q", "qdot", "particle.x", "particle.y", "particle.vx", "particle.vy"},
             {"particle_curve.fx", "particle_curve.fy", "particle_curve.moment"}};
   }
 
-  measure::Uses uses() const {
+  mechanics::Uses uses() const {
     return {.things = 1,
             .coordinates = 1,
             .rows = 0,
@@ -83,7 +83,7 @@ class ParametricBead {
             .left_out = {"the constraint and its force", "all matrices"}};
   }
 
-  void observe(double, double q, double qdot, measure::Row& row) const {
+  void observe(double, double q, double qdot, mechanics::Row& row) const {
     const Eigen::Vector2d x = this->x(q), v = this->v(q, qdot);
     row.state = {q, qdot, x.x(), x.y(), v.x(), v.y()};
     const Eigen::Vector2d force = constraint_force(q, qdot);

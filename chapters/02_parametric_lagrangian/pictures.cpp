@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "draw/canvas.hpp"
-#include "draw/page.hpp"
-#include "parabola/exact.hpp"
-#include "parabola/held_bead.hpp"
-#include "parabola/implicit_bead.hpp"
-#include "parabola/pictures.hpp"
+#include "01_particle_on_curve_implicit/exact_motion.hpp"
+#include "01_particle_on_curve_implicit/held_bead.hpp"
+#include "01_particle_on_curve_implicit/implicit_bead.hpp"
+#include "01_particle_on_curve_implicit/track.hpp"
+#include "instruments/draw/canvas.hpp"
+#include "instruments/draw/page.hpp"
 #include "parametric_bead.hpp"
 #include "turned_off.hpp"
 
@@ -19,14 +19,14 @@ namespace {
 
 using draw::Canvas;
 using Eigen::Vector2d;
+using measure::RunOptions;
 using parabola::ImplicitBead;
 using parabola::point;
 using parabola::Scene;
-using program::Picture;
-using program::RunOptions;
+using pictures::Picture;
 
-using Implicit = measure::Motion<ImplicitBead>;
-using Parametric = measure::Motion<ParametricBead>;
+using Implicit = mechanics::Motion<ImplicitBead>;
+using Parametric = mechanics::Motion<ParametricBead>;
 
 Vector2d place(const Implicit& motion) { return motion.q(); }
 Vector2d place(const Parametric& motion) { return motion.model().x(motion.q()); }
@@ -48,7 +48,7 @@ Trail trail(Motion motion, double duration, double step) {
     motion.advance(std::min(window, steps - done), step);
     result.points.push_back(point(place(motion)));
   }
-  const measure::Measures now = motion.measures();
+  const mechanics::Measures now = motion.measures();
   result.end = place(motion);
   result.off_curve = now.constraint_error;
   result.energy_error = now.energy - initial_energy;
@@ -59,8 +59,8 @@ struct Pair {
   Trail implicit, parametric;
 };
 
-Pair pair(const Scene& scene, integrators::Name integrator, double duration, double step) {
-  const measure::Method method{.integrator = integrator};
+Pair pair(const Scene& scene, integrators::Scheme integrator, double duration, double step) {
+  const mechanics::Method method{.integrator = integrator};
   return {trail(Implicit(ImplicitBead(scene), method), duration, step),
           trail(Parametric(ParametricBead(scene), method), duration, step)};
 }
@@ -71,10 +71,10 @@ draw::Rect draw_heading(draw::Pen& pen, const draw::Rect& area, const std::strin
   pen.text({area.left, area.top + 9.0}, title, pen.theme().ink, draw::Font::bold);
   pen.text(
       {area.left, area.top + 27.0},
-      fmt::format("|C| = {} m²,  {}", program::figure(off_curve),
+      fmt::format("|C| = {} m²,  {}", pictures::figure(off_curve),
                   std::isnan(energy_error)
                       ? "pulled from outside"
-                      : fmt::format("energy error {} J", program::figure(std::abs(energy_error)))),
+                      : fmt::format("energy error {} J", pictures::figure(std::abs(energy_error)))),
       pen.theme().muted, draw::Font::small);
   return {area.left, area.top + 38.0, area.width, area.height - 38.0};
 }
@@ -145,8 +145,8 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
 Picture motion_picture(const Scene& scene, const RunOptions& run) {
   const double duration = 3.0 * run.duration, step = 10.0 * run.step;
   const std::vector<std::pair<std::string, Pair>> rows{
-      {"explicit Euler", pair(scene, integrators::Name::explicit_euler, duration, step)},
-      {"RK4", pair(scene, integrators::Name::rk4, duration, step)}};
+      {"explicit Euler", pair(scene, integrators::Scheme::explicit_euler, duration, step)},
+      {"RK4", pair(scene, integrators::Scheme::rk4, duration, step)}};
   const double q = parabola::ExactMotion(scene).at(duration).q;
   const auto off = [&](const Trail& trail) {
     return (trail.end - Vector2d(q, scene.height(q))).norm();
@@ -156,8 +156,8 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
       "{:.0f} m off with the "
       "implicit particle and {:.0f} m with the parametric one, RK4 {} m and {} m.",
       duration, step, off(rows[0].second.implicit), off(rows[0].second.parametric),
-      program::figure(off(rows[1].second.implicit)),
-      program::figure(off(rows[1].second.parametric)));
+      pictures::figure(off(rows[1].second.implicit)),
+      pictures::figure(off(rows[1].second.parametric)));
   return {"motion", [=](draw::Pen& pen) {
             const draw::Rect content =
                 draw::page(pen, "Two descriptions, two integrators", caption);
@@ -166,16 +166,16 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
 }
 
 Picture drift_picture(const Scene& scene, const RunOptions& run) {
-  std::vector<program::Drift> drifts;
+  std::vector<pictures::Drift> drifts;
   std::vector<draw::Dash> dashes;
   std::vector<int> colors;
-  using enum integrators::Name;
+  using enum integrators::Scheme;
   for (const auto integrator : {explicit_euler, semi_implicit_euler, rk4}) {
     Implicit implicit(ImplicitBead(scene), {.integrator = integrator});
     Parametric parametric(ParametricBead(scene), {.integrator = integrator});
-    const std::string name(integrators::method(integrator).text);
-    drifts.push_back(program::drift("implicit, " + name, implicit, run.duration, run.step));
-    drifts.push_back(program::drift("parametric, " + name, parametric, run.duration, run.step));
+    const std::string name(integrators::info(integrator).text);
+    drifts.push_back(pictures::drift("implicit, " + name, implicit, run.duration, run.step));
+    drifts.push_back(pictures::drift("parametric, " + name, parametric, run.duration, run.step));
     dashes.insert(dashes.end(), {draw::Dash::solid, draw::Dash::dashed});
     colors.insert(colors.end(), 2, static_cast<int>(integrator));
   }
@@ -183,29 +183,29 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
       "RK4, step {:g} s, {:g} s: the implicit particle strays to |C| = {} m², the "
       "parametric one only by rounding; "
       "the energies are off by at most {} J and {} J.",
-      run.step, run.duration, program::figure(drifts[4].largest_constraint_error),
-      program::figure(drifts[4].largest_energy_error),
-      program::figure(drifts[5].largest_energy_error));
-  return program::drift_picture("drift", "What each description lets go", caption, drifts, "m²",
-                                dashes, colors);
+      run.step, run.duration, pictures::figure(drifts[4].largest_constraint_error),
+      pictures::figure(drifts[4].largest_energy_error),
+      pictures::figure(drifts[5].largest_energy_error));
+  return pictures::drift_picture("drift", "What each description lets go", caption, drifts, "m²",
+                                 dashes, colors);
 }
 
 Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
-  measure::Motion<WithoutVelocityTerm> without(WithoutVelocityTerm(scene), {});
+  mechanics::Motion<WithoutVelocityTerm> without(WithoutVelocityTerm(scene), {});
   Parametric with(ParametricBead(scene), {});
-  const std::vector<program::Drift> drifts{
-      program::drift("without −q (dq/dt)²", without, run.duration, run.step),
-      program::drift("with −q (dq/dt)²", with, run.duration, run.step)};
+  const std::vector<pictures::Drift> drifts{
+      pictures::drift("without −q (dq/dt)²", without, run.duration, run.step),
+      pictures::drift("with −q (dq/dt)²", with, run.duration, run.step)};
   const std::string caption = fmt::format(
       "Both stay on the curve to rounding. Without the velocity term the energy is off by {} J, "
       "with it by "
       "{} J (rk4, step {:g} s).",
-      program::figure(drifts[0].largest_energy_error),
-      program::figure(drifts[1].largest_energy_error), run.step);
+      pictures::figure(drifts[0].largest_energy_error),
+      pictures::figure(drifts[1].largest_energy_error), run.step);
   return {"turned_off", [=](draw::Pen& pen) {
             draw::Plot plot{.x = {.label = "time [s]", .min = 0.0, .max = run.duration},
                             .y = {.label = "energy error [J]", .log = true}};
-            for (const program::Drift& drift : drifts)
+            for (const pictures::Drift& drift : drifts)
               plot.curves.push_back(
                   {.label = drift.label, .points = drift.energy_error, .thickness = 2.2});
             draw::draw_plot(pen, draw::page(pen, "The velocity term, left out", caption), plot);
@@ -224,8 +224,8 @@ class HeldParametric : public ParametricBead {
     const Vector2d F = hand_(x(q), v(q, qdot));
     qddot += p * p * (F.x() - q / p * F.y()) / (scene_.mass * (p * p + q * q));
   }
-  measure::Measures measures(double t, double q, double qdot) const {
-    measure::Measures measures = ParametricBead::measures(t, q, qdot);
+  mechanics::Measures measures(double t, double q, double qdot) const {
+    mechanics::Measures measures = ParametricBead::measures(t, q, qdot);
     const Vector2d F = scene_.applied_force() + hand_(x(q), v(q, qdot));
     measures.drive = F.norm() / std::sqrt(scene_.mass);
     return measures;
@@ -237,7 +237,7 @@ class HeldParametric : public ParametricBead {
 };
 
 /// Both descriptions side by side.
-class PairStage final : public program::Stage {
+class PairStage final : public pictures::Stage {
  public:
   PairStage(const Scene& scene, const RunOptions& run)
       : Stage(run),
@@ -256,7 +256,7 @@ class PairStage final : public program::Stage {
   }
 
  private:
-  void draw_scene(draw::Pen& pen, const draw::Rect& area, const program::Show& show) override {
+  void draw_scene(draw::Pen& pen, const draw::Rect& area, const pictures::Show& show) override {
     std::optional<Vector2d> exact;
     if (undisturbed()) {
       const double q = parabola::ExactMotion(scene_).at(time()).q;
@@ -268,9 +268,9 @@ class PairStage final : public program::Stage {
   }
 
   void draw_side(draw::Pen& pen, draw::Rect area, std::size_t side,
-                 const std::optional<Vector2d>& exact, const program::Show& show) {
+                 const std::optional<Vector2d>& exact, const pictures::Show& show) {
     if (show.numbers) {
-      const program::Stage::Errors errors = errors_now(side);
+      const pictures::Stage::Errors errors = errors_now(side);
       area = draw_heading(pen, area, names()[side] + ", " + run().method.label(), errors.constraint,
                           errors.energy);
     }
@@ -285,7 +285,8 @@ class PairStage final : public program::Stage {
       const Vector2d force = curve_force(side);
       canvas.arrow(
           point(x), point(longest / largest_force() * force), canvas.theme().constraint_force,
-          show.numbers ? fmt::format("constraint force {} N", program::rounded(force.norm())) : "");
+          show.numbers ? fmt::format("constraint force {} N", pictures::rounded(force.norm()))
+                       : "");
     }
     parabola::draw_bead(canvas, scene_, x);
     if (!show.numbers)
@@ -296,15 +297,15 @@ class PairStage final : public program::Stage {
                    {14.0, 14.0});
   }
 
-  static Vector2d place(const measure::Motion<parabola::HeldBead>& motion) { return motion.q(); }
-  static Vector2d place(const measure::Motion<HeldParametric>& motion) {
+  static Vector2d place(const mechanics::Motion<parabola::HeldBead>& motion) { return motion.q(); }
+  static Vector2d place(const mechanics::Motion<HeldParametric>& motion) {
     return motion.model().x(motion.q());
   }
-  static Vector2d velocity(const measure::Motion<HeldParametric>& motion) {
+  static Vector2d velocity(const mechanics::Motion<HeldParametric>& motion) {
     return motion.model().v(motion.q(), motion.v());
   }
   Vector2d curve_force(std::size_t side) {
-    const measure::Row row = side == 0 ? implicit_.row() : parametric_.row();
+    const mechanics::Row row = side == 0 ? implicit_.row() : parametric_.row();
     return {row.reactions[0], row.reactions[1]};
   }
   parabola::Hand hand(std::size_t side) {
@@ -327,8 +328,8 @@ class PairStage final : public program::Stage {
   Mass hold(std::size_t, draw::Point) override { return {scene_.mass, scene_.mass}; }
 
   Scene scene_;
-  measure::Motion<parabola::HeldBead> implicit_;
-  measure::Motion<HeldParametric> parametric_;
+  mechanics::Motion<parabola::HeldBead> implicit_;
+  mechanics::Motion<HeldParametric> parametric_;
 };
 
 }  // namespace
@@ -338,7 +339,7 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
           turned_off_picture(scene, run)};
 }
 
-std::unique_ptr<program::Stage> stage(const Scene& scene, const RunOptions& run) {
+std::unique_ptr<pictures::Stage> stage(const Scene& scene, const RunOptions& run) {
   return std::make_unique<PairStage>(scene, run);
 }
 

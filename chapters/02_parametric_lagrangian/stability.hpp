@@ -5,19 +5,19 @@
 #include <memory>
 
 #include "exact.hpp"
-#include "integrators/amplification.hpp"
+#include "instruments/measure/cases.hpp"
+#include "mechanics/integrators/amplification.hpp"
 #include "parametric_bead.hpp"
-#include "program/stability.hpp"
 
 namespace parametric_lagrangian {
 
 /// Whether a swing stays what it is: its energy grows neither from the second quarter of 4000 steps
 /// to the last, nor to more than `most_growth` times the first. h_omega: the step times √(g/p), the
 /// rate of small swings; part: the start as a part of p.
-inline bool swing_stays(integrators::Name name, double h_omega, double part, double most_growth) {
+inline bool swing_stays(integrators::Scheme name, double h_omega, double part, double most_growth) {
   const parabola::Scene scene{.x0 = part * 50.0};
   const double h = h_omega * std::sqrt(scene.p / scene.gravity);
-  measure::Motion<ParametricBead> bead(ParametricBead(scene), {name});
+  mechanics::Motion<ParametricBead> bead(ParametricBead(scene), {name});
   const double start = bead.measures().energy;
   double quarters[4] = {};
   try {
@@ -26,7 +26,7 @@ inline bool swing_stays(integrators::Name name, double h_omega, double part, dou
         bead.advance(1, h);
         most = std::max(most, bead.measures().energy);
       }
-  } catch (const measure::Diverged&) {
+  } catch (const mechanics::Diverged&) {
     return false;
   }
   return quarters[3] <= 1.5 * quarters[1] && quarters[3] <= most_growth * start;
@@ -44,29 +44,30 @@ double limit_of_swings(const Stays& stays) {
 }
 
 /// The stiff and extreme cases of the parametric bead, each with the outcome expected of it.
-inline program::Stability stability() {
-  using integrators::Name;
+inline measure::Stability stability() {
+  using integrators::Scheme;
+  using measure::accurate;
+  using measure::energy_error;
+  using measure::refused;
   using parabola::Scene;
-  using program::accurate;
-  using program::energy_error;
-  using program::refused;
 
   const auto of = [](const Scene& scene) -> measure::Start {
-    return [scene](const measure::Method& method) {
-      return std::make_unique<measure::Motion<ParametricBead>>(ParametricBead(scene), method);
+    return [scene](const mechanics::Method& method) {
+      return std::make_unique<mechanics::Motion<ParametricBead>>(ParametricBead(scene), method);
     };
   };
-  const measure::Method rk4{Name::rk4}, midpoint{Name::implicit_midpoint}, dop853{Name::dop853};
-  const auto q = [=](const Scene& scene, const measure::Method& method, long steps, double h) {
-    return program::final_error(
-        of(scene), [=](const measure::Row& row) { return errors(scene, row); }, 0, method, steps,
+  const mechanics::Method rk4{Scheme::rk4}, midpoint{Scheme::implicit_midpoint},
+      dop853{Scheme::dop853};
+  const auto q = [=](const Scene& scene, const mechanics::Method& method, long steps, double h) {
+    return measure::final_error(
+        of(scene), [=](const mechanics::Row& row) { return errors(scene, row); }, 0, method, steps,
         h);
   };
-  const auto scene_in = [=](const program::Units& units) {
+  const auto scene_in = [=](const measure::Units& units) {
     return of(Scene{.force_x = 2.0}.scaled(units.length, units.time, units.mass));
   };
 
-  program::Stability stability;
+  measure::Stability stability;
   // [cases]
   stability.cases = {
       {"at rest at the bottom", "place, m", accurate(0.0), q({.x0 = 0.0}, rk4, 1000, 0.01)},
@@ -82,23 +83,23 @@ inline program::Stability stability() {
       {"force of 1e6 N across, steps of 1e-5 s", "place, m", accurate(1e-6),
        q({.force_x = 1e6}, rk4, 2000, 1e-5)},
       {"steps of 1 s with explicit_euler", "", refused("kinetic energy"),
-       energy_error(of({}), {Name::explicit_euler}, 1000, 1.0)},
+       energy_error(of({}), {Scheme::explicit_euler}, 1000, 1.0)},
       {"swings of 100 m, steps of 5 s with rk4", "", refused("kinetic energy"),
        energy_error(of({}), rk4, 1000, 5.0)},
   };
   // [cases]
-  stability.add_units(scene_in, {rk4, midpoint, {Name::dop853, {}, 0, 0, 1e-8}}, 1000, 0.01);
+  stability.add_units(scene_in, {rk4, midpoint, {Scheme::dop853, {}, 0, 0, 1e-8}}, 1000, 0.01);
   constexpr double small = 1e-6;
-  for (const auto& method : integrators::methods) {
+  for (const auto& scheme : integrators::schemes) {
     const double theory = limit_of_swings([&](double h_omega) {
-      return integrators::amplification(method.name, h_omega, 1.0, 0.0) <= 1.0 + 1e-6;
+      return integrators::amplification(scheme.id, h_omega, 1.0, 0.0) <= 1.0 + 1e-6;
     });
     const std::string name = theory > 7.9
-                                 ? fmt::format("{}: small swings, any step (to 8)", method.text)
-                                 : fmt::format("{}: small swings to h√(g/p) = {:.3g}", method.text,
+                                 ? fmt::format("{}: small swings, any step (to 8)", scheme.text)
+                                 : fmt::format("{}: small swings to h√(g/p) = {:.3g}", scheme.text,
                                                theory < 0.01 ? 0.0 : theory);
     stability.cases.push_back(
-        {name, "limit found, off theory's", accurate(0.02), [=, integrator = method.name] {
+        {name, "limit found, off theory's", accurate(0.02), [=, integrator = scheme.id] {
            return std::abs(limit_of_swings([&](double h_omega) {
                              return swing_stays(integrator, h_omega, small, 1e4);
                            }) -
@@ -108,23 +109,23 @@ inline program::Stability stability() {
 
   // Small swings are those of the test equation without damping, whatever their size.
   constexpr double extents[] = {2.0, 3.0, 8.0, 4.0, 8.0};
-  for (const auto& method : integrators::methods)
-    stability.plans.push_back({method.name, "h √(g/p)", "start x0/p",
-                               extents[static_cast<std::size_t>(method.name)], 1.0,
-                               [name = method.name](double h_omega, double part) {
+  for (const auto& scheme : integrators::schemes)
+    stability.plans.push_back({scheme.id, "h √(g/p)", "start x0/p",
+                               extents[static_cast<std::size_t>(scheme.id)], 1.0,
+                               [name = scheme.id](double h_omega, double part) {
                                  return swing_stays(name, h_omega, part, 100.0);
                                },
-                               [name = method.name](double h_omega, double) {
+                               [name = scheme.id](double h_omega, double) {
                                  return integrators::amplification(name, h_omega, 1.0, 0.0);
                                },
-                               0.1, method.name == Name::rk4 ? 2 : 0});
+                               0.1, scheme.id == Scheme::rk4 ? 2 : 0});
   stability.map_remark =
       "Theory is that of small swings, the bottom rows; RK4 may swing on past its limit. Wide "
       "swings have limits of their own, and the implicit method an equation without a solution.";
 
   stability.long_run = {.steps = 1000000,
                         .step = 0.05,
-                        .methods = {{{Name::semi_implicit_euler}, false},
+                        .methods = {{{Scheme::semi_implicit_euler}, false},
                                     {midpoint, true},
                                     {rk4, false},
                                     {dop853, false}},

@@ -2,12 +2,12 @@
 #include <cmath>
 #include <random>
 
+#include "01_particle_on_curve_implicit/implicit_bead.hpp"
 #include "allocations.hpp"
 #include "catch.hpp"
 #include "exact.hpp"
-#include "measure/ladder.hpp"
+#include "instruments/measure/ladder.hpp"
 #include "orders.hpp"
-#include "parabola/implicit_bead.hpp"
 #include "parametric_bead.hpp"
 #include "picture_check.hpp"
 #include "pictures.hpp"
@@ -15,8 +15,8 @@
 #include "stability_check.hpp"
 
 using Eigen::Vector2d;
-using measure::Method;
-using measure::Motion;
+using mechanics::Method;
+using mechanics::Motion;
 using parabola::ImplicitBead;
 using parabola::Scene;
 using parametric_lagrangian::ParametricBead;
@@ -84,8 +84,8 @@ TEST_CASE("both descriptions have the same acceleration and the same constraint 
 }
 
 TEST_CASE("the particle is on the curve to rounding, whatever the integrator does") {
-  for (const auto& method : integrators::methods) {
-    Motion<ParametricBead> bead = motion({}, {.integrator = method.name});
+  for (const auto& scheme : integrators::schemes) {
+    Motion<ParametricBead> bead = motion({}, {.integrator = scheme.id});
     for (int i = 0; i < 100; ++i) {
       bead.advance(1, 0.3);
       const double q = bead.q();
@@ -97,14 +97,14 @@ TEST_CASE("the particle is on the curve to rounding, whatever the integrator doe
 
 TEST_CASE(
     "q and dq/dt converge with the order of the integrator, with and without a horizontal force") {
-  using enum integrators::Name;
+  using enum integrators::Scheme;
   for (const double force_x : {0.0, 5.0}) {
     INFO("Fx " << force_x);
     const Scene scene{.force_x = force_x};
     const measure::Start start = [&](const Method& method) {
       return std::make_unique<Motion<ParametricBead>>(motion(scene, method));
     };
-    const measure::Errors errors = [&](const measure::Row& row) {
+    const measure::Errors errors = [&](const mechanics::Row& row) {
       return parametric_lagrangian::errors(scene, row);
     };
     CHECK(check_orders(
@@ -122,16 +122,16 @@ TEST_CASE(
 TEST_CASE("RK4 keeps the energy that explicit Euler feeds and semi-implicit Euler starves") {
   // The acceleration depends on the velocity here, so semi-implicit Euler is not symplectic in q:
   // the bounded energy error that it is known for is gone.
-  const auto energy = [](integrators::Name name) {
+  const auto energy = [](integrators::Scheme name) {
     Motion<ParametricBead> bead = motion({}, {.integrator = name});
     bead.advance(10000, 0.02);
     return bead.measures().energy;
   };
   const double start = motion({}).measures().energy;
   CHECK(start == Approx(1.0 * 9.81 * 100.0));  // m g h
-  CHECK(energy(integrators::Name::explicit_euler) > 1.1 * start);
-  CHECK(energy(integrators::Name::semi_implicit_euler) < 0.9 * start);
-  CHECK(std::abs(energy(integrators::Name::rk4) - start) < 1e-4 * start);
+  CHECK(energy(integrators::Scheme::explicit_euler) > 1.1 * start);
+  CHECK(energy(integrators::Scheme::semi_implicit_euler) < 0.9 * start);
+  CHECK(std::abs(energy(integrators::Scheme::rk4) - start) < 1e-4 * start);
 }
 
 TEST_CASE("solution 1: a small swing is an oscillator of frequency √(g/p)") {
@@ -167,7 +167,7 @@ TEST_CASE("solution 3: the length along the wire has a constant inertia, and no 
     return q;
   };
   double l = length(100.0), rate = 0.0;
-  integrators::Integrator<double> rk4(integrators::Name::rk4, l);
+  integrators::Integrator<double> rk4(integrators::Scheme::rk4, l);
   const auto acceleration = [&](double, double place, double, double& a) {
     const double slope = q_at(place) / p;
     a = -g * slope / std::sqrt(1 + slope * slope);
@@ -184,7 +184,7 @@ TEST_CASE("a step allocates nothing") {
 }
 
 namespace {
-const program::RunOptions defaults{.duration = 20.0, .step = 0.01};
+const measure::RunOptions defaults{.duration = 20.0, .step = 0.01};
 }
 
 TEST_CASE("the pictures of the lesson are those that the program draws") {
@@ -196,12 +196,12 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
   for (const Scene& scene :
        {Scene{.x0 = 0.0}, Scene{.x0 = 1e6}, Scene{.gravity = 0.0, .force_x = 3.0},
         Scene{.p = 1e-3, .force_x = -40.0}}) {
-    const program::RunOptions run{.duration = 1.0, .step = 0.01};
+    const measure::RunOptions run{.duration = 1.0, .step = 0.01};
     for (const auto& picture : parametric_lagrangian::pictures(scene, run))
       CHECK_NOTHROW(draw::render({.scale = 0.5}, picture.draw));
     CHECK_NOTHROW(
         draw::render({.width = 480, .height = 300},
-                     program::picture_at(parametric_lagrangian::stage(scene, run), 0.5).draw));
+                     pictures::picture_at(parametric_lagrangian::stage(scene, run), 0.5).draw));
   }
 }
 

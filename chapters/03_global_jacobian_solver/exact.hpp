@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "measure/simulation.hpp"
+#include "mechanics/motion/motion.hpp"
 #include "scene.hpp"
 
 namespace dumbbell {
@@ -248,7 +248,7 @@ class ExactMotion {
 
 /// Distance to the exact state, over both beads, for position [m], velocity [m/s] and the forces of
 /// both curves and the rod [N].
-inline std::vector<double> errors(const Scene& scene, const measure::Row& row) {
+inline std::vector<double> errors(const Scene& scene, const mechanics::Row& row) {
   const Exact truth = ExactMotion(scene).at(row.t);
   const auto off = [](const std::vector<double>& values, std::size_t i, const Vector2d& exact) {
     return (Vector2d(values[i], values[i + 1]) - exact).squaredNorm();

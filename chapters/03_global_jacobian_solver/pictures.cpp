@@ -5,29 +5,29 @@
 #include <algorithm>
 #include <cmath>
 
-#include "draw/canvas.hpp"
-#include "draw/page.hpp"
+#include "01_particle_on_curve_implicit/exact_motion.hpp"
+#include "01_particle_on_curve_implicit/implicit_bead.hpp"
+#include "01_particle_on_curve_implicit/track.hpp"
 #include "exact.hpp"
-#include "parabola/exact.hpp"
-#include "parabola/implicit_bead.hpp"
-#include "parabola/pictures.hpp"
-#include "program/jacobian.hpp"
-#include "program/mechanism_stage.hpp"
+#include "instruments/draw/canvas.hpp"
+#include "instruments/draw/page.hpp"
+#include "instruments/pictures/jacobian.hpp"
+#include "instruments/pictures/mechanism_stage.hpp"
 #include "turned_off.hpp"
 
 namespace dumbbell {
 namespace {
 
 using draw::Canvas;
-using measure::Stabilization;
+using measure::RunOptions;
+using mechanics::Stabilization;
 using parabola::point;
-using program::figure;
-using program::Picture;
-using program::RunOptions;
+using pictures::figure;
+using pictures::Picture;
 
-using Motion = measure::Motion<program::Mechanism>;
+using Motion = mechanics::Motion<mechanics::Mechanism>;
 
-Motion motion(const Scene& scene, const measure::Method& method) {
+Motion motion(const Scene& scene, const mechanics::Method& method) {
   return {make_mechanism(scene, method), method};
 }
 
@@ -38,7 +38,7 @@ struct Instant {
 };
 
 Instant now(Motion& motion) {
-  const measure::Row row = motion.row();
+  const mechanics::Row row = motion.row();
   const auto pair = [](const std::vector<double>& values, std::size_t i) {
     return Vector2d(values[i], values[i + 1]);
   };
@@ -111,7 +111,7 @@ void draw_forces(Canvas& canvas, const Instant& i, double scale, bool labelled) 
   const auto arrow = [&](const Vector2d& at, const Vector2d& force, draw::Color color,
                          const char* name) {
     canvas.arrow(point(at), point(scale * force), color,
-                 labelled ? fmt::format("{} {} N", name, program::rounded(force.norm())) : "");
+                 labelled ? fmt::format("{} {} N", name, pictures::rounded(force.norm())) : "");
   };
   arrow(i.x1, i.curve1, canvas.theme().constraint_force, "curve");
   arrow(i.x2, i.curve2, canvas.theme().constraint_force, "curve");
@@ -123,7 +123,7 @@ void draw_forces(Canvas& canvas, const Instant& i, double scale, bool labelled) 
 Picture one_bead_picture(const RunOptions& run) {
   const parabola::Scene scene;
   OneBead solver(scene);
-  measure::Motion<parabola::ImplicitBead> bead(parabola::ImplicitBead(scene), {});
+  mechanics::Motion<parabola::ImplicitBead> bead(parabola::ImplicitBead(scene), {});
   const double half = 0.5 * parabola::ExactMotion(scene).period();
   const long steps = std::max(24L, std::lround(half / run.step)), stride = steps / 24;
   draw::Curve formula{.label = "chapter 1's formula", .thickness = 2.4};
@@ -162,7 +162,7 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
   const std::string caption = fmt::format(
       "Two beads, one curve, one rod of {:.4g} m: 4 coordinates, 3 constraints, 1 degree of "
       "freedom. At rest the rod carries {} N.",
-      scene.rod(), program::rounded(instant.rod1.norm()));
+      scene.rod(), pictures::rounded(instant.rod1.norm()));
   return {"scene", [=](draw::Pen& pen) {
             Canvas canvas(pen, draw::page(pen, "Two beads on a curve, joined by a rod", caption),
                           seen);
@@ -176,9 +176,9 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
                          fmt::format("rod: C = ½(|d|² − l²) = 0,  l = {:.4g} m", scene.rod()),
                          rod_color(canvas), draw::Font::bold, draw::Align::center, {0.0, 42.0});
             canvas.arrow(point(instant.x1), {0.0, scale * weight1}, canvas.theme().weight,
-                         fmt::format("weight {} N", program::rounded(weight1)));
+                         fmt::format("weight {} N", pictures::rounded(weight1)));
             canvas.arrow(point(instant.x2), {0.0, scale * weight2}, canvas.theme().weight,
-                         fmt::format("weight {} N", program::rounded(weight2)));
+                         fmt::format("weight {} N", pictures::rounded(weight2)));
             draw_rod(canvas, scene, instant);
             draw_forces(canvas, instant, scale, true);
             draw_beads(canvas, scene, instant);
@@ -192,19 +192,19 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
 }
 
 Picture jacobian_picture(const Scene& scene) {
-  program::Mechanism mechanism = make_mechanism(scene, {});
+  mechanics::Mechanism mechanism = make_mechanism(scene, {});
   Eigen::VectorXd a;
   mechanism.acceleration(0.0, mechanism.initial_position(), mechanism.initial_velocity(), a);
   const int blocks = mechanism.system.counts().jacobian_blocks;
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Matrix J = mechanism.system.jacobian(mechanism.initial_position());
   const Matrix K = J * mechanism.system.W().asDiagonal() * J.transpose();
-  using Sides = std::vector<program::Jacobian::Side>;
+  using Sides = std::vector<pictures::Jacobian::Side>;
   const Sides joints{{"bead1_curve", {""}}, {"bead2_curve", {""}}, {"bead1_bead2", {""}}};
-  const program::Jacobian left{.joints = joints,
-                               .things = {{"bead1", {"x", "y"}}, {"bead2", {"x", "y"}}},
-                               .values = {J.data(), J.data() + J.size()}};
-  const program::Jacobian right{
+  const pictures::Jacobian left{.joints = joints,
+                                .things = {{"bead1", {"x", "y"}}, {"bead2", {"x", "y"}}},
+                                .values = {J.data(), J.data() + J.size()}};
+  const pictures::Jacobian right{
       .joints = joints,
       .things = {{"bead1_curve", {" "}}, {"bead2_curve", {" "}}, {"bead1_bead2", {" "}}},
       .values = {K.data(), K.data() + K.size()}};
@@ -222,8 +222,8 @@ Picture jacobian_picture(const Scene& scene) {
                      draw::Font::bold);
             pen.text({second, content.top + 14.0}, "J W Jᵀ at the start [m²/kg]", pen.theme().ink,
                      draw::Font::bold);
-            program::draw_jacobian(pen, {content.left, top, width, height}, left);
-            program::draw_jacobian(pen, {second, top, width, height}, right);
+            pictures::draw_jacobian(pen, {content.left, top, width, height}, left);
+            pictures::draw_jacobian(pen, {second, top, width, height}, right);
           }};
 }
 
@@ -247,7 +247,7 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
   const double scale = force_scale(largest, seen, 0.2);
   const std::string caption = fmt::format(
       "Of these exposures the rod carries most at t = {:.2f} s, {} N ({}, step {:g} s).", rod_time,
-      program::rounded(rod_force), run.method.label(), run.step);
+      pictures::rounded(rod_force), run.method.label(), run.step);
   return {"motion", [=](draw::Pen& pen) {
             Canvas canvas(
                 pen,
@@ -278,32 +278,32 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
           }};
 }
 
-program::Drift drift(const Scene& scene, const measure::Method& method, double duration,
-                     double step) {
+pictures::Drift drift(const Scene& scene, const mechanics::Method& method, double duration,
+                      double step) {
   Motion beads = motion(scene, method);
-  return program::drift(method.label(), beads, duration, step);
+  return pictures::drift(method.label(), beads, duration, step);
 }
 
 Picture drift_picture(const Scene& scene, const RunOptions& run) {
-  std::vector<program::Drift> drifts;
-  for (const auto& method : integrators::methods)
-    drifts.push_back(drift(scene, {.integrator = method.name}, run.duration, run.step));
+  std::vector<pictures::Drift> drifts;
+  for (const auto& scheme : integrators::schemes)
+    drifts.push_back(drift(scene, {.integrator = scheme.id}, run.duration, run.step));
   const std::string caption = fmt::format(
       "No stabilization, step {:g} s, {:g} s: explicit Euler strays to |C| = {} m², RK4 to {} m², "
       "dop853 to {} m².",
       run.step, run.duration, figure(drifts.front().largest_constraint_error),
       figure(drifts[3].largest_constraint_error), figure(drifts[4].largest_constraint_error));
-  return program::drift_picture("drift", "How five methods let go of three constraints", caption,
-                                drifts, "m²");
+  return pictures::drift_picture("drift", "How five methods let go of three constraints", caption,
+                                 drifts, "m²");
 }
 
 Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
   // Coarse and long enough that RK4 has something to correct.
   const double step = 20.0 * run.step, duration = 10.0 * run.duration;
-  constexpr auto rk4 = integrators::Name::rk4;
-  std::vector<program::Drift> drifts;
+  constexpr auto rk4 = integrators::Scheme::rk4;
+  std::vector<pictures::Drift> drifts;
   for (const auto& [label, method] :
-       {std::pair{"rk4", measure::Method{}},
+       {std::pair{"rk4", mechanics::Method{}},
         {"feedback, ks = 1, kd = 2", {rk4, Stabilization::feedback, 1.0, 2.0}},
         {"feedback, ks = 25, kd = 10", {rk4, Stabilization::feedback, 25.0, 10.0}},
         {"projection", {rk4, Stabilization::projection}}}) {
@@ -315,26 +315,26 @@ Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
       "feedback, {} m² with hard feedback, rounding with projection.",
       step, duration, figure(drifts[0].largest_constraint_error),
       figure(drifts[1].largest_constraint_error), figure(drifts[2].largest_constraint_error));
-  return program::drift_picture("stabilization", "Holding the drift down", caption, drifts, "m²");
+  return pictures::drift_picture("stabilization", "Holding the drift down", caption, drifts, "m²");
 }
 
 Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
   const double duration = 0.15 * run.duration;  // before it flies apart altogether
-  measure::Motion<OneByOne> apart(OneByOne(scene), {});
+  mechanics::Motion<OneByOne> apart(OneByOne(scene), {});
   Motion together = motion(scene, {});
-  const std::vector<program::Drift> drifts{
-      program::drift("each constraint by itself", apart, duration, run.step),
-      program::drift("all of J W Jᵀ", together, duration, run.step)};
+  const std::vector<pictures::Drift> drifts{
+      pictures::drift("each constraint by itself", apart, duration, run.step),
+      pictures::drift("all of J W Jᵀ", together, duration, run.step)};
   const std::string caption = fmt::format(
       "One by one the forces break each other's constraints: |C| = {} m² after {:g} s. Solved "
       "together: {} m² (rk4, step {:g} s).",
       figure(drifts[0].largest_constraint_error), duration,
       figure(drifts[1].largest_constraint_error), run.step);
-  return program::drift_picture("turned_off", "The blocks beside the diagonal, left out", caption,
-                                drifts, "m²");
+  return pictures::drift_picture("turned_off", "The blocks beside the diagonal, left out", caption,
+                                 drifts, "m²");
 }
 
-class DumbbellStage final : public program::MechanismStage {
+class DumbbellStage final : public pictures::MechanismStage {
  public:
   DumbbellStage(const Scene& scene, const RunOptions& run)
       : MechanismStage(run, make_mechanism(scene, run.method)), scene_(scene) {
@@ -346,12 +346,12 @@ class DumbbellStage final : public program::MechanismStage {
     return fmt::format(
         "t = {:.3f} s: bead1 at x = {} m, bead2 at x = {} m, |C| = {} m² ({}, step {:g} "
         "s).",
-        time(), program::rounded(motion.q()[0], 3), program::rounded(motion.q()[2], 3),
+        time(), pictures::rounded(motion.q()[0], 3), pictures::rounded(motion.q()[2], 3),
         figure(motion.measures().constraint_error), run().method.label(), run().step);
   }
 
  private:
-  void draw_things(Canvas& canvas, const program::Show& show) override {
+  void draw_things(Canvas& canvas, const pictures::Show& show) override {
     draw_track(canvas, scene_, view());
     if (show.trail)
       for (const std::size_t bead : {0U, 1U})
@@ -381,7 +381,7 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
           turned_off_picture(scene, run)};
 }
 
-std::unique_ptr<program::Stage> stage(const Scene& scene, const RunOptions& run) {
+std::unique_ptr<pictures::Stage> stage(const Scene& scene, const RunOptions& run) {
   return std::make_unique<DumbbellStage>(scene, run);
 }
 

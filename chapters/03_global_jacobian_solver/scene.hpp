@@ -1,15 +1,14 @@
 #pragma once
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
-#include "joints/distance.hpp"
-#include "joints/on_curve.hpp"
-#include "parabola/scene.hpp"
-#include "program/mechanism.hpp"
-#include "program/options.hpp"
+#include "01_particle_on_curve_implicit/scene.hpp"
+#include "mechanics/joints/distance.hpp"
+#include "mechanics/joints/on_curve.hpp"
+#include "mechanics/motion/mechanism.hpp"
 
 namespace dumbbell {
 
@@ -29,10 +28,10 @@ struct Scene {
   void check() const {
     const double least = 1e-6 * std::max(std::abs(x1), std::abs(x2));
     if (x1 == x2 || std::abs(x2 - x1) < least)
-      throw program::UsageError(fmt::format(
-          "--x2 {:g}: allowed is a place at least {:.3g} m away from --x1 {:g}; the rod between "
-          "the beads needs a length",
-          x2, least, x1));
+      throw std::invalid_argument(
+          "x2 " + mechanics::in_digits(x2, 6) + ": allowed is a place at least " +
+          mechanics::in_digits(least, 3) + " m away from x1, " + mechanics::in_digits(x1, 6) +
+          "; the rod between the beads needs a length");
   }
 };
 
@@ -43,10 +42,10 @@ struct Parts {
 };
 
 /// The scene as a system.
-inline program::Mechanism make_mechanism(const Scene& scene, const measure::Method& method,
-                                         Parts* parts = nullptr) {
+inline mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method& method,
+                                           Parts* parts = nullptr) {
   scene.check();
-  program::Mechanism mechanism(method);
+  mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
 
   // [scene]
@@ -72,7 +71,7 @@ inline program::Mechanism make_mechanism(const Scene& scene, const measure::Meth
 
 /// Chapter 1's scene, given to the same solver: one bead, one curve.
 struct OneBead {
-  explicit OneBead(const parabola::Scene& scene, const measure::Method& method = {})
+  explicit OneBead(const parabola::Scene& scene, const mechanics::Method& method = {})
       : mechanism(method) {
     dynamics::System& system = mechanism.system;
     // [one_bead]
@@ -95,7 +94,7 @@ struct OneBead {
     return {mechanism.system.lambda(curve)[0], mechanism.system.reaction(curve, bead).head<2>()};
   }
 
-  program::Mechanism mechanism;
+  mechanics::Mechanism mechanism;
   dynamics::Handle<dynamics::Particle> bead;
   dynamics::JointHandle curve;
 };

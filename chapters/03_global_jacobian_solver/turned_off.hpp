@@ -6,7 +6,7 @@ namespace dumbbell {
 
 /// The dumbbell with each constraint solved by itself, as if the others did not push: of J W Jᵀ
 /// only the diagonal is used. Each force keeps its own C̈ at zero, and the others then break it.
-class OneByOne : public program::Mechanism {
+class OneByOne : public mechanics::Mechanism {
  public:
   explicit OneByOne(const Scene& scene)
       : Mechanism(make_mechanism(scene, {})), free_(0, scene.gravity, 0, scene.gravity) {}

@@ -6,15 +6,15 @@
 #include <algorithm>
 #include <string>
 
-#include "measure/clock.hpp"
-#include "measure/simulation.hpp"
+#include "instruments/measure/clock.hpp"
+#include "mechanics/motion/motion.hpp"
 #include "scene.hpp"
 
 namespace ground {
 
 /// Processor time of one RK4 step [s], the least of several samples.
 inline double seconds_per_step(bool simulate_ground) {
-  measure::Motion<program::Mechanism> rod(make_pendulum(simulate_ground), {});
+  mechanics::Motion<mechanics::Mechanism> rod(make_pendulum(simulate_ground), {});
   double best = 1e300;
   for (int sample = 0; sample < 20; ++sample) {
     const double before = measure::cpu_seconds();
@@ -27,7 +27,7 @@ inline double seconds_per_step(bool simulate_ground) {
 /// What leaving the ground out saves, as a table.
 inline std::string left_out_table() {
   const auto counts = [](bool simulate_ground) {
-    program::Mechanism mechanism = make_pendulum(simulate_ground);
+    mechanics::Mechanism mechanism = make_pendulum(simulate_ground);
     Eigen::VectorXd a = mechanism.initial_position();
     mechanism.acceleration(0.0, mechanism.initial_position(), mechanism.initial_velocity(), a);
     return mechanism.system.counts();

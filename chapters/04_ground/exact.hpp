@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "measure/method.hpp"
-#include "measure/simulation.hpp"
+#include "mechanics/motion/method.hpp"
+#include "mechanics/motion/motion.hpp"
 #include "scene.hpp"
 
 namespace ground {
@@ -38,22 +38,22 @@ struct Exact {
 /// At t [s] under a method: without stabilization the plate stays where it was put; feedback moves
 /// it back by the closed form, each coordinate by itself, whatever the load; projection puts it in
 /// its place at once. The reaction is what the motion takes beyond the applied forces, M q̈ − F.
-inline Exact exact(const Scene& scene, const measure::Method& method, double t) {
+inline Exact exact(const Scene& scene, const mechanics::Method& method, double t) {
   Exact truth;
   Eigen::Vector3d a = Eigen::Vector3d::Zero();
   switch (method.stabilization) {
-    case measure::Stabilization::none:
+    case mechanics::Stabilization::none:
       truth.q = scene.offset();
       truth.v.setZero();
       break;
-    case measure::Stabilization::feedback: {
+    case mechanics::Stabilization::feedback: {
       const Decay now = decay(method.ks, method.kd, t);
       truth.q = now.e * scene.offset();
       truth.v = now.rate * scene.offset();
       a = -method.kd * truth.v - method.ks * truth.q;
       break;
     }
-    case measure::Stabilization::projection:
+    case mechanics::Stabilization::projection:
       truth.q = t == 0.0 ? scene.offset() : Eigen::Vector3d::Zero();
       truth.v.setZero();
       break;
@@ -65,8 +65,8 @@ inline Exact exact(const Scene& scene, const measure::Method& method, double t) 
 
 /// Errors of a row: place of the centre [m], angle [rad], reaction force [N], reaction moment
 /// [N·m].
-inline std::vector<double> errors(const Scene& scene, const measure::Method& method,
-                                  const measure::Row& row) {
+inline std::vector<double> errors(const Scene& scene, const mechanics::Method& method,
+                                  const mechanics::Row& row) {
   const Exact truth = exact(scene, method, row.t);
   const Eigen::Vector3d q(row.state[0], row.state[1], row.state[2]);
   const Eigen::Vector3d reaction(row.reactions[0], row.reactions[1], row.reactions[2]);

@@ -1,11 +1,11 @@
 // Chapter 4: ground. A plate held in its place: the reaction to a load, the way back from a wrong
 // start, and what it saves to leave out of the system what does not move. See scene.hpp.
 
+#include "app/chapter.hpp"
 #include "cost.hpp"
 #include "exact.hpp"
+#include "instruments/files/files.hpp"
 #include "pictures.hpp"
-#include "program/chapter.hpp"
-#include "program/files.hpp"
 #include "scene.hpp"
 #include "stability.hpp"
 
@@ -14,24 +14,24 @@ namespace {
 /// What leaving the ground out saves: a table, printed and saved as left_out.txt.
 void report_left_out(const std::filesystem::path& out) {
   const std::string table = ground::left_out_table();
-  program::write_file(out / "left_out.txt", table);
+  files::write_file(out / "left_out.txt", table);
   fmt::print("\n{}\n{}\n", table, (out / "left_out.txt").string());
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  using measure::Stabilization;
+  using mechanics::Stabilization;
   ground::Scene scene;
-  measure::Method current;  // of the simulation last started: the exact answer depends on it
-  program::Chapter chapter;
+  mechanics::Method current;  // of the simulation last started: the exact answer depends on it
+  app::Chapter chapter;
   chapter.directory = "04_ground";
   chapter.title = "Ground";
 
-  const program::Range length{-1e6, 1e6};
+  const app::Range length{-1e6, 1e6};
   chapter.parameters = {
       {"--load", "N", "largest load at the right edge's midpoint, load·sin 2t", &scene.load,
-       program::any, program::acts},
+       app::any, app::acts},
       {"--offset-x", "m", "start off the place, along x", &scene.offset_x, length},
       {"--offset-y", "m", "start off the place, along y", &scene.offset_y, length},
       {"--offset-theta", "rad", "start turned", &scene.offset_theta, length},
@@ -39,22 +39,22 @@ int main(int argc, char** argv) {
   chapter.defaults = {.duration = 5.0, .step = 0.01};
   chapter.constraint_unit = "m or rad";
 
-  chapter.start = [&](const measure::Method& method) {
+  chapter.start = [&](const mechanics::Method& method) {
     current = method;
-    return std::make_unique<measure::Motion<program::Mechanism>>(
+    return std::make_unique<mechanics::Motion<mechanics::Mechanism>>(
         ground::make_mechanism(scene, method), method);
   };
 
   chapter.quantities = {
       {"position", "m"}, {"angle", "rad"}, {"reaction force", "N"}, {"reaction moment", "N·m"}};
-  chapter.errors = [&](const measure::Row& row) { return ground::errors(scene, current, row); };
+  chapter.errors = [&](const mechanics::Row& row) { return ground::errors(scene, current, row); };
 
   chapter.ladder = {.methods = measure::every_integrator(Stabilization::feedback, 25.0, 10.0),
                     .duration = 1.0,
                     .coarsest = 0.05,
                     .rungs = 15};
-  chapter.ladder.methods.push_back({integrators::Name::dop853, Stabilization::feedback, 25.0, 10.0,
-                                    measure::coarsest_tolerance});
+  chapter.ladder.methods.push_back({integrators::Scheme::dop853, Stabilization::feedback, 25.0,
+                                    10.0, mechanics::coarsest_tolerance});
   chapter.before_report = [&] {  // a plate in its place has no error to measure
     if (scene.offset().isZero())
       scene.offset_x = 0.05, scene.offset_y = -0.03, scene.offset_theta = 0.2;
@@ -63,7 +63,7 @@ int main(int argc, char** argv) {
 
   chapter.stability = ground::stability;
 
-  chapter.pictures = [&](const program::RunOptions& run) { return ground::pictures(scene, run); };
-  chapter.stage = [&](const program::RunOptions& run) { return ground::stage(scene, run); };
-  return program::run_chapter(argc, argv, chapter);
+  chapter.pictures = [&](const measure::RunOptions& run) { return ground::pictures(scene, run); };
+  chapter.stage = [&](const measure::RunOptions& run) { return ground::stage(scene, run); };
+  return app::run_chapter(argc, argv, chapter);
 }

@@ -5,23 +5,23 @@
 #include <algorithm>
 #include <cmath>
 
-#include "draw/canvas.hpp"
-#include "draw/page.hpp"
 #include "exact.hpp"
-#include "integrators/amplification.hpp"
-#include "program/mechanism_stage.hpp"
+#include "instruments/draw/canvas.hpp"
+#include "instruments/draw/page.hpp"
+#include "instruments/pictures/mechanism_stage.hpp"
+#include "mechanics/integrators/amplification.hpp"
 
 namespace ground {
 namespace {
 
 using draw::Canvas;
 using draw::Point;
-using measure::Method;
-using measure::Stabilization;
-using program::Picture;
-using program::RunOptions;
+using measure::RunOptions;
+using mechanics::Method;
+using mechanics::Stabilization;
+using pictures::Picture;
 
-using Motion = measure::Motion<program::Mechanism>;
+using Motion = mechanics::Motion<mechanics::Mechanism>;
 
 Motion motion(const Scene& scene, const Method& method) {
   return {make_mechanism(scene, method), method};
@@ -40,7 +40,7 @@ struct Instant {
 };
 
 Instant now(Motion& motion) {
-  const measure::Row row = motion.row();
+  const mechanics::Row row = motion.row();
   return {row.t,
           {row.state[0], row.state[1], row.state[2]},
           {row.reactions[0], row.reactions[1], row.reactions[2]}};
@@ -69,14 +69,14 @@ void draw_forces(Canvas& canvas, const Scene& scene, const Instant& at, double l
   const Point edge{at.q.x() + 0.5 * scene.width * std::cos(at.q.z()),
                    at.q.y() + 0.5 * scene.width * std::sin(at.q.z())};
   canvas.arrow(centre, {0.0, scale * weight}, theme.weight,
-               label(fmt::format("weight {} N", program::rounded(weight))));
+               label(fmt::format("weight {} N", pictures::rounded(weight))));
   canvas.arrow(edge, {0.0, scale * load}, theme.applied_force);
-  canvas.label(edge, label(fmt::format("load {} N", program::rounded(std::abs(load)))),
+  canvas.label(edge, label(fmt::format("load {} N", pictures::rounded(std::abs(load)))),
                theme.applied_force, draw::Font::text, draw::Align::left, {14.0, 14.0});
   canvas.arrow(
       centre, {scale * at.reaction.x(), scale * at.reaction.y()}, theme.constraint_force,
-      label(fmt::format("reaction {} N, {}{} N·m", program::rounded(at.reaction.head<2>().norm()),
-                        at.reaction.z() < 0.0 ? "" : "+", program::rounded(at.reaction.z()))));
+      label(fmt::format("reaction {} N, {}{} N·m", pictures::rounded(at.reaction.head<2>().norm()),
+                        at.reaction.z() < 0.0 ? "" : "+", pictures::rounded(at.reaction.z()))));
 }
 
 constexpr const char* plate_title = "A plate held by the ground";
@@ -95,7 +95,7 @@ Picture scene_picture(const Scene& scene) {
   const std::string caption = fmt::format(
       "At t = {:g} s the load is {} N; the reaction is minus weight and load, and minus their "
       "moment.",
-      at.t, program::rounded(scene.load_at(at.t)));
+      at.t, pictures::rounded(scene.load_at(at.t)));
   return {"scene", [=](draw::Pen& pen) {
             Canvas canvas(pen, draw::page(pen, plate_title, caption), view(scene));
             canvas.axes("m");
@@ -125,7 +125,7 @@ Picture reaction_picture(const Scene& scene, const RunOptions& run) {
   }
   const std::string caption = fmt::format(
       "Over {:g} s the computed reaction differs from the exact one by at most {} N or N·m.",
-      run.duration, program::figure(worst));
+      run.duration, pictures::figure(worst));
   return {"reaction", [=](draw::Pen& pen) {
             const draw::Rect content =
                 draw::page(pen, "The reaction of the ground under the load 5 sin 2t", caption);
@@ -154,7 +154,7 @@ Picture reaction_picture(const Scene& scene, const RunOptions& run) {
 void add_decay(draw::Plot& plot, const Scene& scene, double ks, double kd, const std::string& label,
                std::size_t color, const draw::Theme& theme, double duration, double step,
                double& worst) {
-  const Method method{integrators::Name::rk4,
+  const Method method{integrators::Scheme::rk4,
                       ks == 0.0 && kd == 0.0 ? Stabilization::none : Stabilization::feedback, ks,
                       kd};
   draw::Curve line{.label = label, .color = theme.series[color]},
@@ -190,7 +190,7 @@ Picture decay_picture(const std::string& name, const std::string& title,
               step, worst);
   const std::string caption =
       fmt::format("{} Lines: closed form. Markers: RK4 with a step of {:g} s, at most {} rad away.",
-                  sentence, step, program::figure(worst));
+                  sentence, step, pictures::figure(worst));
   return {name, [=](draw::Pen& pen) {
             draw::Plot colored = plot;
             for (std::size_t i = 0; i < colored.curves.size(); ++i)
@@ -208,7 +208,7 @@ Picture step_picture() {
   plot.y = {.label = "|x| of the plate [m]", .log = true};
   for (const double step : {coarse, fine}) {
     Motion plate =
-        motion({.offset_x = 0.1}, {integrators::Name::rk4, Stabilization::feedback, ks, kd});
+        motion({.offset_x = 0.1}, {integrators::Scheme::rk4, Stabilization::feedback, ks, kd});
     draw::Curve curve{.label =
                           fmt::format("step {:g} s: h√ks = {:.3g}", step, step * std::sqrt(ks))};
     for (double off = 0.0; plate.time() <= duration && off < 1e3;) {
@@ -219,7 +219,7 @@ Picture step_picture() {
     plot.curves.push_back(curve);
   }
   const auto factor = [](double step) {
-    return integrators::amplification(integrators::Name::rk4, step, ks, kd);
+    return integrators::amplification(integrators::Scheme::rk4, step, ks, kd);
   };
   const std::string caption = fmt::format(
       "RK4 with ks = {:g} 1/s² and kd = {:g} 1/s multiplies the error by {:.3g} a step beyond its "
@@ -231,7 +231,7 @@ Picture step_picture() {
           }};
 }
 
-class PlateStage final : public program::MechanismStage {
+class PlateStage final : public pictures::MechanismStage {
  public:
   PlateStage(const Scene& scene, const RunOptions& run)
       : MechanismStage(run, make_mechanism(scene, run.method)), scene_(scene) {
@@ -241,12 +241,12 @@ class PlateStage final : public program::MechanismStage {
   std::string title() const override { return plate_title; }
   std::string caption() override {
     return fmt::format("t = {:.3f} s: off its place by {} m and {} rad ({}, step {:g} s).", time(),
-                       program::figure(motion.q().head<2>().norm()),
-                       program::figure(std::abs(motion.q()[2])), run().method.label(), run().step);
+                       pictures::figure(motion.q().head<2>().norm()),
+                       pictures::figure(std::abs(motion.q()[2])), run().method.label(), run().step);
   }
 
  private:
-  void draw_things(Canvas& canvas, const program::Show& show) override {
+  void draw_things(Canvas& canvas, const pictures::Show& show) override {
     if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.6, draw::Dash::dotted);
     draw_held_plate(canvas, scene_, now(motion).q);
     if (show.forces) draw_forces(canvas, scene_, now(motion), largest_force(), show.numbers);
@@ -279,7 +279,7 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
           step_picture()};
 }
 
-std::unique_ptr<program::Stage> stage(const Scene& scene, const RunOptions& run) {
+std::unique_ptr<pictures::Stage> stage(const Scene& scene, const RunOptions& run) {
   return std::make_unique<PlateStage>(scene, run);
 }
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "joints/ground.hpp"
-#include "joints/revolute.hpp"
-#include "program/mechanism.hpp"
+#include "mechanics/joints/ground.hpp"
+#include "mechanics/joints/revolute.hpp"
+#include "mechanics/motion/mechanism.hpp"
 
 namespace ground {
 
@@ -32,8 +32,8 @@ struct Scene {
 };
 
 /// The scene as a system. The start is taken as given, off its place or not.
-inline program::Mechanism make_mechanism(const Scene& scene, const measure::Method& method) {
-  program::Mechanism mechanism(method);
+inline mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method& method) {
+  mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
   // [scene]
   const auto plate = system.add_body("plate", scene.mass, scene.inertia(),
@@ -54,9 +54,9 @@ inline program::Mechanism make_mechanism(const Scene& scene, const measure::Meth
 
 /// A rod that swings from the edge of the plate, and the same rod from a point of the world: what
 /// the ground costs when it is simulated. The plate is at rest at the origin in both.
-inline program::Mechanism make_pendulum(bool simulate_ground) {
+inline mechanics::Mechanism make_pendulum(bool simulate_ground) {
   const Scene scene;
-  program::Mechanism mechanism({});
+  mechanics::Mechanism mechanism({});
   dynamics::System& system = mechanism.system;
   // [left_out]
   const Eigen::Vector2d edge(scene.width / 2, 0), end(-0.5, 0);

@@ -4,21 +4,21 @@
 #include <memory>
 
 #include "exact.hpp"
-#include "program/stability.hpp"
+#include "instruments/measure/cases.hpp"
 #include "scene.hpp"
 
 namespace ground {
 
 /// The stiff and extreme cases of the plate, each with the outcome that is expected of it.
-inline program::Stability stability() {
-  using integrators::Name;
-  using measure::Method;
-  using measure::Stabilization;
-  using program::accurate;
-  using program::degraded;
-  using program::energy_error;
-  using program::refused;
-  using Motion = measure::Motion<program::Mechanism>;
+inline measure::Stability stability() {
+  using integrators::Scheme;
+  using measure::accurate;
+  using measure::degraded;
+  using measure::energy_error;
+  using measure::refused;
+  using mechanics::Method;
+  using mechanics::Stabilization;
+  using Motion = mechanics::Motion<mechanics::Mechanism>;
 
   const auto of = [](const Scene& scene) -> measure::Start {
     return [scene](const Method& method) {
@@ -28,16 +28,16 @@ inline program::Stability stability() {
   enum { place, angle, force, moment };  // what errors() returns
   const auto error = [=](std::size_t quantity, const Scene& scene, const Method& method, long steps,
                          double h) {
-    return program::final_error(
-        of(scene), [=](const measure::Row& row) { return errors(scene, method, row); }, quantity,
+    return measure::final_error(
+        of(scene), [=](const mechanics::Row& row) { return errors(scene, method, row); }, quantity,
         method, steps, h);
   };
-  const auto feedback = [](Name name, double ks, double kd) {
+  const auto feedback = [](Scheme name, double ks, double kd) {
     return Method{name, Stabilization::feedback, ks, kd};
   };
-  const Method rk4{Name::rk4};
+  const Method rk4{Scheme::rk4};
   const Scene off{.offset_x = 0.05, .offset_y = -0.03, .offset_theta = 0.2};
-  const auto scene_in = [=](const program::Units& units) {
+  const auto scene_in = [=](const measure::Units& units) {
     const auto& [L, T, m] = units;
     Scene there = off;
     for (double* length : {&there.offset_x, &there.offset_y, &there.width, &there.height})
@@ -49,7 +49,7 @@ inline program::Stability stability() {
     return of(there);
   };
 
-  program::Stability stability;
+  measure::Stability stability;
   // [cases]
   stability.cases = {
       {"held in its place for 1e5 steps", "place, m", accurate(1e-12),
@@ -57,24 +57,24 @@ inline program::Stability stability() {
       {"a load of 1e12 N", "reaction, N", accurate(1e-2),
        error(force, {.load = 1e12}, rk4, 500, 0.01)},
       {"put back from 1e6 m away", "place, m", accurate(1e-6),
-       error(place, {.offset_x = 1e6}, feedback(Name::rk4, 25, 10), 500, 0.01)},
+       error(place, {.offset_x = 1e6}, feedback(Scheme::rk4, 25, 10), 500, 0.01)},
       {"turned by 1e6 rad", "angle, rad", accurate(1e-3),
-       error(angle, {.offset_theta = 1e6}, feedback(Name::rk4, 25, 10), 500, 0.01)},
+       error(angle, {.offset_theta = 1e6}, feedback(Scheme::rk4, 25, 10), 500, 0.01)},
       {"without damping, kd = 0, 1e5 steps", "place, m", accurate(1e-3),
-       error(place, off, feedback(Name::rk4, 25, 0), 100000, 0.002)},
+       error(place, off, feedback(Scheme::rk4, 25, 0), 100000, 0.002)},
       {"overdamped, kd = 1e3 1/s, ks = 1 1/s²", "place, m", accurate(1e-9),
-       error(place, off, feedback(Name::rk4, 1, 1000), 2500, 0.002)},
+       error(place, off, feedback(Scheme::rk4, 1, 1000), 2500, 0.002)},
       {"ks = 1e10 1/s², implicit_midpoint", "place, m", degraded(1e-9, 1e-6),
-       error(place, off, feedback(Name::implicit_midpoint, 1e10, 2e5), 4000, 0.01)},
+       error(place, off, feedback(Scheme::implicit_midpoint, 1e10, 2e5), 4000, 0.01)},
       {"ks = 1e10 1/s², rk4", "", refused("the constraint error"),
-       error(place, off, feedback(Name::rk4, 1e10, 2e5), 500, 0.01)},
+       error(place, off, feedback(Scheme::rk4, 1e10, 2e5), 500, 0.01)},
       {"critical, h√ks = 2.78, below the limit", "place, m", accurate(1e-6),
-       error(place, off, feedback(Name::rk4, 2.78 * 2.78, 2 * 2.78), 20000, 1.0)},
+       error(place, off, feedback(Scheme::rk4, 2.78 * 2.78, 2 * 2.78), 20000, 1.0)},
       {"critical, h√ks = 2.79, above the limit", "", refused("the constraint error"),
-       error(place, off, feedback(Name::rk4, 2.79 * 2.79, 2 * 2.79), 20000, 1.0)},
+       error(place, off, feedback(Scheme::rk4, 2.79 * 2.79, 2 * 2.79), 20000, 1.0)},
       {"held twice: the second joint adds nothing", "place, m", accurate(1e-12),
        [=] {
-         program::Mechanism mechanism = make_mechanism({}, rk4);
+         mechanics::Mechanism mechanism = make_mechanism({}, rk4);
          mechanism.system.add("again", joints::Ground{},
                               mechanism.system.thing<dynamics::Body>("plate"));
          Motion motion(std::move(mechanism), rk4);
@@ -86,9 +86,9 @@ inline program::Stability stability() {
   };
   // [cases]
   stability.add_units(scene_in,
-                      {feedback(Name::rk4, 25, 10),
-                       feedback(Name::implicit_midpoint, 25, 10),
-                       {Name::dop853, Stabilization::feedback, 25, 10, 1e-8}},
+                      {feedback(Scheme::rk4, 25, 10),
+                       feedback(Scheme::implicit_midpoint, 25, 10),
+                       {Scheme::dop853, Stabilization::feedback, 25, 10, 1e-8}},
                       100, 0.01);
 
   stability.add_feedback(of({}), {.step = 1e-3, .nudge = 1e-3});

@@ -4,7 +4,7 @@
 #include "allocations.hpp"
 #include "catch.hpp"
 #include "exact.hpp"
-#include "measure/ladder.hpp"
+#include "instruments/measure/ladder.hpp"
 #include "orders.hpp"
 #include "picture_check.hpp"
 #include "pictures.hpp"
@@ -16,12 +16,12 @@ using ground::decay;
 using ground::make_mechanism;
 using ground::make_pendulum;
 using ground::Scene;
-using measure::Method;
-using measure::Stabilization;
+using mechanics::Method;
+using mechanics::Stabilization;
 
 namespace {
 
-using Motion = measure::Motion<program::Mechanism>;
+using Motion = mechanics::Motion<mechanics::Mechanism>;
 
 Motion motion(const Scene& scene, const Method& method = {}) {
   return {make_mechanism(scene, method), method};
@@ -29,7 +29,7 @@ Motion motion(const Scene& scene, const Method& method = {}) {
 
 const Scene displaced{.offset_x = 0.05, .offset_y = -0.03, .offset_theta = 0.2};
 
-Method feedback(integrators::Name name, double ks, double kd) {
+Method feedback(integrators::Scheme name, double ks, double kd) {
   return {name, Stabilization::feedback, ks, kd};
 }
 
@@ -39,7 +39,7 @@ TEST_CASE("the reaction is minus weight and load and minus their moment, to roun
   const Scene scene{.load = 7.0};
   Motion plate = motion(scene);
   for (int i = 0; i < 50; ++i) {
-    const measure::Row row = plate.row();
+    const mechanics::Row row = plate.row();
     const double load = 7.0 * std::sin(2.0 * row.t);
     CHECK(std::abs(row.reactions[0]) < 1e-14);
     CHECK(row.reactions[1] == Approx(-(2.0 * 9.81 + load)).epsilon(1e-15));
@@ -75,7 +75,7 @@ TEST_CASE("every coordinate goes back by the closed form, whatever the load") {
     for (const double kd : {3.0, 10.0, 30.0}) {
       Scene scene = displaced;
       scene.load = load;
-      Motion plate = motion(scene, feedback(integrators::Name::rk4, 25.0, kd));
+      Motion plate = motion(scene, feedback(integrators::Scheme::rk4, 25.0, kd));
       plate.advance(700, 1e-3);
       const double e = decay(25.0, kd, 0.7).e;
       CHECK(plate.q()[0] == Approx(0.05 * e).epsilon(1e-9));
@@ -90,7 +90,7 @@ TEST_CASE(
   Motion left = motion(displaced);
   left.advance(100, 0.01);
   CHECK((left.q() - displaced.offset()).lpNorm<Eigen::Infinity>() < 1e-13);
-  Motion projected = motion(displaced, {integrators::Name::rk4, Stabilization::projection});
+  Motion projected = motion(displaced, {integrators::Scheme::rk4, Stabilization::projection});
   projected.advance(1, 0.01);
   CHECK(projected.q().lpNorm<Eigen::Infinity>() < 1e-15);
 }
@@ -101,7 +101,7 @@ TEST_CASE("position, angle and reaction converge with the order of the integrato
     current = method;
     return std::make_unique<Motion>(motion(displaced, method));
   };
-  const measure::Errors errors = [&](const measure::Row& row) {
+  const measure::Errors errors = [&](const mechanics::Row& row) {
     return ground::errors(displaced, current, row);
   };
   std::vector<Method> methods = measure::every_integrator(Stabilization::feedback, 25.0, 10.0);
@@ -145,23 +145,23 @@ TEST_CASE("a joint to the world moves as one to a grounded plate, and needs less
 TEST_CASE("the stability boundary of each integrator is where theory has it") {
   // Along the axis of critical damping kd h = 2s, ks h² = s²: s < 2.785 (RK4), 2 (explicit Euler),
   // 0.828.
-  const auto stays = [](integrators::Name name, double s) {
+  const auto stays = [](integrators::Scheme name, double s) {
     Motion plate = motion({.load = 0.0, .offset_x = 1.0}, feedback(name, s * s * 1e4, 2 * s * 1e2));
     plate.advance(2000, 0.01);
     return std::abs(plate.q()[0]) < 1.0;
   };
-  CHECK(stays(integrators::Name::rk4, 2.75));
-  CHECK_FALSE(stays(integrators::Name::rk4, 2.82));
-  CHECK(stays(integrators::Name::explicit_euler, 1.97));
-  CHECK_FALSE(stays(integrators::Name::explicit_euler, 2.03));
-  CHECK(stays(integrators::Name::semi_implicit_euler, 0.81));
-  CHECK_FALSE(stays(integrators::Name::semi_implicit_euler, 0.85));
+  CHECK(stays(integrators::Scheme::rk4, 2.75));
+  CHECK_FALSE(stays(integrators::Scheme::rk4, 2.82));
+  CHECK(stays(integrators::Scheme::explicit_euler, 1.97));
+  CHECK_FALSE(stays(integrators::Scheme::explicit_euler, 2.03));
+  CHECK(stays(integrators::Scheme::semi_implicit_euler, 0.81));
+  CHECK_FALSE(stays(integrators::Scheme::semi_implicit_euler, 0.85));
 }
 
 TEST_CASE("a step allocates nothing") {
   for (const auto stabilization :
        {Stabilization::none, Stabilization::feedback, Stabilization::projection}) {
-    Motion plate = motion(displaced, {integrators::Name::rk4, stabilization, 25.0, 10.0});
+    Motion plate = motion(displaced, {integrators::Scheme::rk4, stabilization, 25.0, 10.0});
     plate.advance(1, 0.01);
     const long before = allocations();
     plate.advance(100, 0.01);
@@ -180,14 +180,15 @@ TEST_CASE("solution 2: the load of a turned plate has a shorter arm") {
   scene.offset_theta = 1.0;
   Motion plate = motion(scene);
   plate.advance(50, 0.01);
-  const measure::Row row = plate.row();
+  const mechanics::Row row = plate.row();
   CHECK(row.reactions[2] == Approx(-0.3 * std::cos(1.0) * 5.0 * std::sin(1.0)).epsilon(1e-12));
 }
 
 TEST_CASE("solution 3: at 0.01 s semi-implicit Euler takes gains up to 6863 1/s²") {
   const auto left = [](double ks) {  // of an error of 1 m, after 20 s
-    Motion plate = motion({.load = 0.0, .offset_x = 1.0},
-                          feedback(integrators::Name::semi_implicit_euler, ks, 2 * std::sqrt(ks)));
+    Motion plate =
+        motion({.load = 0.0, .offset_x = 1.0},
+               feedback(integrators::Scheme::semi_implicit_euler, ks, 2 * std::sqrt(ks)));
     plate.advance(2000, 0.01);
     return std::abs(plate.q()[0]);
   };
@@ -198,7 +199,7 @@ TEST_CASE("solution 3: at 0.01 s semi-implicit Euler takes gains up to 6863 1/s�
 }
 
 namespace {
-const program::RunOptions defaults{.duration = 5.0, .step = 0.01};
+const measure::RunOptions defaults{.duration = 5.0, .step = 0.01};
 }
 
 TEST_CASE("the pictures of the lesson are those that the program draws") {
@@ -208,11 +209,11 @@ TEST_CASE("the pictures of the lesson are those that the program draws") {
 TEST_CASE("pictures can be drawn of every scene the options allow") {
   for (const Scene& scene :
        {Scene{.load = 0.0}, Scene{.load = 1e12}, Scene{.offset_x = 1e6, .offset_theta = -1e6}}) {
-    const program::RunOptions run{.duration = 0.5, .step = 0.05};
+    const measure::RunOptions run{.duration = 0.5, .step = 0.05};
     for (const auto& picture : ground::pictures(scene, run))
       CHECK_NOTHROW(draw::render({.scale = 0.5}, picture.draw));
     CHECK_NOTHROW(draw::render({.width = 480, .height = 300},
-                               program::picture_at(ground::stage(scene, run), 0.2).draw));
+                               pictures::picture_at(ground::stage(scene, run), 0.2).draw));
   }
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -8,9 +10,9 @@
 #include <vector>
 
 #include "full_matrices.hpp"
-#include "integrators/integrator.hpp"
-#include "measure/clock.hpp"
-#include "measure/ladder.hpp"
+#include "instruments/measure/clock.hpp"
+#include "instruments/measure/ladder.hpp"
+#include "mechanics/integrators/integrator.hpp"
 #include "scene.hpp"
 
 namespace revolute {
@@ -32,11 +34,11 @@ struct CostTable {
 /// slows down on them.
 template <class Acceleration>
 double seconds_per_step(int links, Acceleration&& acceleration) {
-  program::Mechanism chain = make_mechanism({.links = double(links)});
+  mechanics::Mechanism chain = make_mechanism({.links = double(links)});
   VectorXd q = chain.initial_position(), v = chain.initial_velocity();
   for (int i = 0; i < links; ++i) v[3 * i + 2] = std::sin(i + 1.0);
   chain.project(q, v);
-  integrators::Integrator<VectorXd> integrator(integrators::Name::rk4, q);
+  integrators::Integrator<VectorXd> integrator(integrators::Scheme::rk4, q);
   const auto of_state = [&](double, const VectorXd& q_now, const VectorXd& v_now, VectorXd& a) {
     acceleration(q_now, v_now, a);
   };
@@ -53,7 +55,7 @@ double seconds_per_step(int links, Acceleration&& acceleration) {
 }
 
 inline double seconds_in_blocks(int links) {
-  program::Mechanism chain = make_mechanism({.links = double(links)});
+  mechanics::Mechanism chain = make_mechanism({.links = double(links)});
   return seconds_per_step(links, [&](const VectorXd& q, const VectorXd& v, VectorXd& a) {
     chain.acceleration(0.0, q, v, a);
   });

@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-#include "measure/simulation.hpp"
+#include "mechanics/motion/motion.hpp"
 #include "scene.hpp"
 
 namespace revolute {
@@ -167,7 +167,7 @@ inline constexpr int longest_with_exact_answer = 10;
 
 /// Distance to the exact answer: position [m] and velocity [m/s] of the free end, pin force [N] of
 /// the world. Empty for long chains, and where a chain's reference does not hold.
-inline std::vector<double> errors(const Scene& scene, const measure::Row& row) {
+inline std::vector<double> errors(const Scene& scene, const mechanics::Row& row) {
   const int N = scene.N();
   if (N > longest_with_exact_answer) return {};
   const std::optional<Exact> truth =

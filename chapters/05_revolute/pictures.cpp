@@ -7,23 +7,23 @@
 #include <cmath>
 #include <numbers>
 
-#include "draw/canvas.hpp"
-#include "draw/page.hpp"
-#include "program/mechanism_stage.hpp"
+#include "instruments/draw/canvas.hpp"
+#include "instruments/draw/page.hpp"
+#include "instruments/pictures/mechanism_stage.hpp"
 #include "turned_off.hpp"
 
 namespace revolute {
 namespace {
 
 using draw::Canvas;
-using measure::Stabilization;
-using program::Picture;
-using program::RunOptions;
+using measure::RunOptions;
+using mechanics::Stabilization;
+using pictures::Picture;
 
-using Motion = measure::Motion<program::Mechanism>;
+using Motion = mechanics::Motion<mechanics::Mechanism>;
 
 template <class Joint = joints::Revolute>
-Motion motion(const Scene& scene, const measure::Method& method = {}) {
+Motion motion(const Scene& scene, const mechanics::Method& method = {}) {
   return {make_mechanism<Joint>(scene, method), method};
 }
 
@@ -40,7 +40,7 @@ struct Instant {
 };
 
 Instant now(const Scene& scene, Motion& motion) {
-  const measure::Row row = motion.row();
+  const mechanics::Row row = motion.row();
   Instant instant{row.t, {}, {row.reactions[0], row.reactions[1]}};
   for (int i = 0; i < scene.N(); ++i) {
     const Vector2d center = motion.q().segment<2>(3 * i), end = end_of_rod(scene, motion.q(), i);
@@ -105,7 +105,7 @@ Picture scene_picture(const Scene& given) {
   const std::string caption = fmt::format(
       "At the instant of release the pin carries {} N, {:.0f} % of the weight of {} N: the "
       "rest of it starts the rod.",
-      program::rounded(pin), weight > 0.0 ? 100.0 * pin / weight : 0.0, program::rounded(weight));
+      pictures::rounded(pin), weight > 0.0 ? 100.0 * pin / weight : 0.0, pictures::rounded(weight));
   const draw::View view = view_of(
       {point(end), point(middle + weight_arrow), point(pin_arrow), {0.0, 0.25 * scene.length}},
       0.16);
@@ -120,9 +120,9 @@ Picture scene_picture(const Scene& given) {
             canvas.pin({0.0, 0.0});
             canvas.bead(point(middle), 4.0, theme.ink, theme.ink);
             canvas.arrow(point(middle), point(weight_arrow), theme.weight,
-                         fmt::format("weight {} N", program::rounded(weight)));
+                         fmt::format("weight {} N", pictures::rounded(weight)));
             canvas.arrow({0.0, 0.0}, point(pin_arrow), theme.constraint_force,
-                         fmt::format("pin force {} N", program::rounded(pin)));
+                         fmt::format("pin force {} N", pictures::rounded(pin)));
             canvas.label({0.0, 0.0}, "pin in the world: C = x + A u = 0", theme.track,
                          draw::Font::bold, draw::Align::left, {14.0, 30.0});
             canvas.label(point(middle), "centre of mass x", theme.ink, draw::Font::text,
@@ -153,7 +153,7 @@ Picture motion_picture(const Scene& given, const RunOptions& run) {
     seen.push_back(point(scale * instant.pin_force));
   }
   const draw::View view = view_of(seen, 0.08);
-  std::string caption = fmt::format("The pin carries up to {} N", program::rounded(largest));
+  std::string caption = fmt::format("The pin carries up to {} N", pictures::rounded(largest));
   if (weight > 0.0) caption += fmt::format(", {:.2f} times the weight", largest / weight);
   caption += fmt::format(" ({}, step {:g} s).", run.method.label(), run.step);
   return {
@@ -204,7 +204,7 @@ Picture chain_picture(const Scene& given, const RunOptions& run) {
   const std::string caption = fmt::format(
       "20 links of {:g} m: 60 coordinates, 40 rows, 20 degrees of freedom. Energy kept to {} J "
       "(step {} s).",
-      scene.l(), program::figure(lost), program::figure(step));
+      scene.l(), pictures::figure(lost), pictures::figure(step));
   return {"chain", [=](draw::Pen& pen) {
             Canvas canvas(pen,
                           draw::page(pen,
@@ -241,7 +241,7 @@ Picture chaos_picture(const Scene& given) {
   const double duration = 24.0 * std::sqrt(L / std::max(scene.gravity, 1e-12));
   constexpr int pieces = 2000;
   const double step = duration / (10 * pieces);
-  const measure::Method method{integrators::Name::rk4, Stabilization::projection};
+  const mechanics::Method method{integrators::Scheme::rk4, Stabilization::projection};
   Motion first = motion(scene, method), second = motion(other, method);
   std::vector<draw::Point> together, trail_first, trail_second, apart;
   double parted = duration;  // when they are a tenth of their length apart
@@ -264,8 +264,8 @@ Picture chaos_picture(const Scene& given) {
       "Released {} rad apart, they are {} m apart after {:.1f} s: about ten times further every "
       "{:.1f} s. "
       "Grey: the way of the free ends while they are less than {} m apart.",
-      program::figure(hair, 1), program::figure(0.1 * L, 1), parted,
-      parted / std::log10(0.1 / hair), program::figure(0.01 * L, 1));
+      pictures::figure(hair, 1), pictures::figure(0.1 * L, 1), parted,
+      parted / std::log10(0.1 / hair), pictures::figure(0.01 * L, 1));
   return {"chaos", [=](draw::Pen& pen) {
             const draw::Rect content =
                 draw::page(pen, "Two double pendulums, released a hair apart", caption);
@@ -292,55 +292,55 @@ Picture chaos_picture(const Scene& given) {
           }};
 }
 
-program::Drift drift(const std::string& label, Motion rods, double duration, double step) {
-  return program::drift(label, rods, duration, step);
+pictures::Drift drift(const std::string& label, Motion rods, double duration, double step) {
+  return pictures::drift(label, rods, duration, step);
 }
 
 Picture drift_picture(const Scene& scene, const RunOptions& run) {
-  std::vector<program::Drift> drifts;
-  for (const auto& method : integrators::methods)
-    drifts.push_back(drift(std::string(method.text), motion(scene, {.integrator = method.name}),
+  std::vector<pictures::Drift> drifts;
+  for (const auto& scheme : integrators::schemes)
+    drifts.push_back(drift(std::string(scheme.text), motion(scene, {.integrator = scheme.id}),
                            run.duration, run.step));
   const std::string caption = fmt::format(
       "No stabilization, step {:g} s, {:g} s: with explicit Euler the pin opens by {} m, with RK4 "
       "by {} m, with dop853 by {} m.",
-      run.step, run.duration, program::figure(drifts.front().largest_constraint_error),
-      program::figure(drifts[3].largest_constraint_error),
-      program::figure(drifts[4].largest_constraint_error));
-  return program::drift_picture("drift", "How five methods open the pin", caption, drifts, "m");
+      run.step, run.duration, pictures::figure(drifts.front().largest_constraint_error),
+      pictures::figure(drifts[3].largest_constraint_error),
+      pictures::figure(drifts[4].largest_constraint_error));
+  return pictures::drift_picture("drift", "How five methods open the pin", caption, drifts, "m");
 }
 
 Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
   // Coarse enough and long enough that RK4 has something to correct.
   const double step = 4.0 * run.step, duration = 6.0 * run.duration;
-  std::vector<program::Drift> drifts;
-  for (const measure::Method& method :
-       {measure::Method{},
-        measure::Method{integrators::Name::rk4, Stabilization::feedback, 100.0, 20.0},
-        measure::Method{integrators::Name::rk4, Stabilization::projection}})
+  std::vector<pictures::Drift> drifts;
+  for (const mechanics::Method& method :
+       {mechanics::Method{},
+        mechanics::Method{integrators::Scheme::rk4, Stabilization::feedback, 100.0, 20.0},
+        mechanics::Method{integrators::Scheme::rk4, Stabilization::projection}})
     drifts.push_back(drift(method.label(), motion(scene, method), duration, step));
   const std::string caption = fmt::format(
       "RK4 with a coarse step of {:g} s: the pin opens by {} m alone, by {} m with feedback (ks = "
       "100, kd = 20), by {} m with projection.",
-      step, program::figure(drifts[0].largest_constraint_error),
-      program::figure(drifts[1].largest_constraint_error),
-      program::figure(drifts[2].largest_constraint_error));
-  return program::drift_picture("stabilization", "Holding the pin together", caption, drifts, "m");
+      step, pictures::figure(drifts[0].largest_constraint_error),
+      pictures::figure(drifts[1].largest_constraint_error),
+      pictures::figure(drifts[2].largest_constraint_error));
+  return pictures::drift_picture("stabilization", "Holding the pin together", caption, drifts, "m");
 }
 
 Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
-  const std::vector<program::Drift> drifts{
+  const std::vector<pictures::Drift> drifts{
       drift("without −ω² A u", motion<WithoutJdotV>(scene), run.duration, run.step),
       drift("with −ω² A u", motion(scene), run.duration, run.step)};
   const std::string caption = fmt::format(
       "Without −ω² A u the rod leaves its pin by {} m, with it by {} m (rk4, step {:g} s).",
-      program::figure(drifts[0].largest_constraint_error),
-      program::figure(drifts[1].largest_constraint_error), run.step);
-  return program::drift_picture("turned_off", "The term that bends the path, left out", caption,
-                                drifts, "m");
+      pictures::figure(drifts[0].largest_constraint_error),
+      pictures::figure(drifts[1].largest_constraint_error), run.step);
+  return pictures::drift_picture("turned_off", "The term that bends the path, left out", caption,
+                                 drifts, "m");
 }
 
-class ChainStage final : public program::MechanismStage {
+class ChainStage final : public pictures::MechanismStage {
  public:
   ChainStage(const Scene& scene, const RunOptions& run)
       : MechanismStage(run, make_mechanism(scene, run.method)), scene_(scene) {
@@ -351,13 +351,13 @@ class ChainStage final : public program::MechanismStage {
   std::string title() const override { return "Rods on pins"; }
   std::string caption() override {
     return fmt::format("t = {:.3f} s: pin force {} N, |C| = {} m ({}, step {:g} s).", time(),
-                       program::rounded(now(scene_, motion).pin_force.norm()),
-                       program::figure(motion.measures().constraint_error), run().method.label(),
+                       pictures::rounded(now(scene_, motion).pin_force.norm()),
+                       pictures::figure(motion.measures().constraint_error), run().method.label(),
                        run().step);
   }
 
  private:
-  void draw_things(Canvas& canvas, const program::Show& show) override {
+  void draw_things(Canvas& canvas, const pictures::Show& show) override {
     const Instant instant = now(scene_, motion);
     if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.6, draw::Dash::dotted);
     draw_chain(canvas, instant, 9.0, 1.0);
@@ -365,7 +365,7 @@ class ChainStage final : public program::MechanismStage {
       canvas.arrow({0.0, 0.0}, point(force_scale(scene_, largest_force(), 0.4) * instant.pin_force),
                    canvas.theme().constraint_force,
                    show.numbers
-                       ? fmt::format("pin force {} N", program::rounded(instant.pin_force.norm()))
+                       ? fmt::format("pin force {} N", pictures::rounded(instant.pin_force.norm()))
                        : "");
     canvas.pin({0.0, 0.0});
   }
@@ -408,17 +408,17 @@ Picture cost_picture(const CostTable& costs) {
   std::string caption = fmt::format(
       "In blocks a step of {:.0f} links costs {} µs, and from 10 to 1000 it grows as "
       "N to the power {:.2f}",
-      end.x, program::figure(end.y), growth(costs, 10, 1000, &Cost::blocks));
+      end.x, pictures::figure(end.y), growth(costs, 10, 1000, &Cost::blocks));
   caption += full.points.empty()
                  ? "."
                  : fmt::format("; in full matrices {:.0f} links cost {} µs.", full.points.back().x,
-                               program::figure(full.points.back().y));
+                               pictures::figure(full.points.back().y));
   return {"cost_vs_links", [=](draw::Pen& pen) {
             draw::draw_plot(pen, draw::page(pen, "What a longer chain costs", caption), plot);
           }};
 }
 
-std::unique_ptr<program::Stage> stage(const Scene& scene, const RunOptions& run) {
+std::unique_ptr<pictures::Stage> stage(const Scene& scene, const RunOptions& run) {
   return std::make_unique<ChainStage>(scene, run);
 }
 

@@ -1,11 +1,9 @@
 #pragma once
 
-#include <fmt/format.h>
-
 #include <cmath>
 
-#include "joints/revolute.hpp"
-#include "program/mechanism.hpp"
+#include "mechanics/joints/revolute.hpp"
+#include "mechanics/motion/mechanism.hpp"
 
 namespace revolute {
 
@@ -38,8 +36,8 @@ inline Vector2d direction(double theta) { return {std::cos(theta), std::sin(thet
 
 // [scene]
 template <class Joint = joints::Revolute>
-program::Mechanism make_mechanism(const Scene& scene, const measure::Method& method = {}) {
-  program::Mechanism mechanism(method);
+mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method& method = {}) {
+  mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
   system.set_gravity({0.0, scene.gravity});
 
@@ -48,7 +46,7 @@ program::Mechanism make_mechanism(const Scene& scene, const measure::Method& met
   dynamics::Handle<dynamics::Body> before;
   std::string name_before = "world";
   for (int i = 0; i < N; ++i) {
-    const std::string name = N == 1 ? "rod" : fmt::format("rod{}", i + 1);
+    const std::string name = N == 1 ? "rod" : "rod" + std::to_string(i + 1);
     const Vector2d x = (i + 0.5) * scene.l() * direction(scene.angle0);
     const auto rod = system.add_body(name, scene.m(), scene.I(), x, scene.angle0);
     const std::string joint = name + "_" + name_before;

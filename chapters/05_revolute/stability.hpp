@@ -1,20 +1,22 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <memory>
 #include <numbers>
 #include <string>
 
 #include "exact.hpp"
-#include "program/stability.hpp"
+#include "instruments/measure/cases.hpp"
 #include "scene.hpp"
 
 namespace revolute {
 
 /// A chain of `links` rods, together 0.5 m and `chain` kg, that carries a rod of 0.5 m and `load`
 /// kg at its end; level and at rest.
-inline program::Mechanism make_loaded(int links, double chain, double load,
-                                      const measure::Method& method) {
-  program::Mechanism mechanism(method);
+inline mechanics::Mechanism make_loaded(int links, double chain, double load,
+                                        const mechanics::Method& method) {
+  mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
   system.set_gravity({0.0, 9.81});
   double x = 0.0, length_before = 0.0;
@@ -40,9 +42,9 @@ inline program::Mechanism make_loaded(int links, double chain, double load,
 /// A chain pinned at both ends, straight: the last pin's row along the chain depends on the others.
 /// Level under gravity it can neither fall nor carry its weight at finite tension; here it stands
 /// upright, in the line of gravity, and hangs.
-inline program::Mechanism make_taut(int N, const measure::Method& method) {
+inline mechanics::Mechanism make_taut(int N, const mechanics::Method& method) {
   const Scene scene{.links = static_cast<double>(N), .angle0 = std::numbers::pi / 2};
-  program::Mechanism mechanism = make_mechanism(scene, method);
+  mechanics::Mechanism mechanism = make_mechanism(scene, method);
   mechanism.system.add("end_world", joints::Revolute{{scene.l() / 2, 0.0}, {0.0, scene.length}},
                        mechanism.system.thing<dynamics::Body>(fmt::format("rod{}", N)),
                        dynamics::System::world);
@@ -51,16 +53,16 @@ inline program::Mechanism make_taut(int N, const measure::Method& method) {
 }
 
 /// The stiff and extreme cases of pendulum and chain, each with the outcome expected of it.
-inline program::Stability stability() {
-  using integrators::Name;
-  using measure::Method;
-  using measure::Stabilization;
-  using program::accurate;
-  using program::degraded;
-  using program::drift;
-  using program::energy_error;
-  using program::refused;
-  using Motion = measure::Motion<program::Mechanism>;
+inline measure::Stability stability() {
+  using integrators::Scheme;
+  using measure::accurate;
+  using measure::degraded;
+  using measure::drift;
+  using measure::energy_error;
+  using measure::refused;
+  using mechanics::Method;
+  using mechanics::Stabilization;
+  using Motion = mechanics::Motion<mechanics::Mechanism>;
 
   const auto of = [](const Scene& scene) -> measure::Start {
     return [scene](const Method& method) {
@@ -72,17 +74,17 @@ inline program::Stability stability() {
       return std::make_unique<Motion>(make_loaded(links, chain, load, method), method);
     };
   };
-  const Method rk4{Name::rk4}, projected{Name::rk4, Stabilization::projection},
-      feedback{Name::rk4, Stabilization::feedback, 100.0, 20.0},
-      midpoint{Name::implicit_midpoint, Stabilization::projection},
-      adaptive{Name::dop853, Stabilization::projection, 0.0, 0.0, 1e-8},
-      dop853{Name::dop853, Stabilization::projection};
+  const Method rk4{Scheme::rk4}, projected{Scheme::rk4, Stabilization::projection},
+      feedback{Scheme::rk4, Stabilization::feedback, 100.0, 20.0},
+      midpoint{Scheme::implicit_midpoint, Stabilization::projection},
+      adaptive{Scheme::dop853, Stabilization::projection, 0.0, 0.0, 1e-8},
+      dop853{Scheme::dop853, Stabilization::projection};
   const auto place = [=](const Scene& scene, const Method& method, long steps, double h) {
-    return program::final_error(
-        of(scene), [=](const measure::Row& row) { return errors(scene, row); }, 0, method, steps,
+    return measure::final_error(
+        of(scene), [=](const mechanics::Row& row) { return errors(scene, row); }, 0, method, steps,
         h);
   };
-  const auto scene_in = [=](const program::Units& units) {
+  const auto scene_in = [=](const measure::Units& units) {
     const auto& [L, T, m] = units;
     const Scene here{.links = 3, .angle0 = 0.5};
     const Scene there{here.links, here.length * L, here.mass * m, here.angle0,
@@ -90,7 +92,7 @@ inline program::Stability stability() {
     return of(there);
   };
 
-  program::Stability stability;
+  measure::Stability stability;
   // [cases]
   stability.cases = {
       {"a swing of 1e-6 rad", "place, m", accurate(1e-14),
@@ -129,13 +131,13 @@ inline program::Stability stability() {
        energy_error(loaded(100, 1e-4, 1.0), projected, 2000, 1e-4)},
       {"pinned twice in one place", "place, m", accurate(1e-6),
        [=] {
-         program::Mechanism mechanism = make_mechanism({}, projected);
+         mechanics::Mechanism mechanism = make_mechanism({}, projected);
          mechanism.system.add("again", joints::Revolute{{-0.5, 0.0}, {0.0, 0.0}},
                               mechanism.system.thing<dynamics::Body>("rod"),
                               dynamics::System::world);
          Motion motion(std::move(mechanism), projected);
          motion.advance(1000, 0.002);
-         const measure::Row row = motion.row();
+         const mechanics::Row row = motion.row();
          if (motion.model().system.dependent_rows().size() != 2) return 1.0;
          return errors({}, row)[0];
        }},
@@ -150,7 +152,7 @@ inline program::Stability stability() {
        }},
       {"a chain that does not reach its second pin", "", refused("cannot assemble"),
        [] {
-         program::Mechanism mechanism = make_mechanism({.links = 2});
+         mechanics::Mechanism mechanism = make_mechanism({.links = 2});
          mechanism.system.add("end_world", joints::Revolute{{0.25, 0.0}, {3.0, 0.0}},
                               mechanism.system.thing<dynamics::Body>("rod2"),
                               dynamics::System::world);
@@ -159,7 +161,7 @@ inline program::Stability stability() {
        }},
       {"a start 0.1 m off: projected first", "|C| after, m", accurate(1e-14),
        [=] {
-         program::Mechanism mechanism(projected);
+         mechanics::Mechanism mechanism(projected);
          const auto rod = mechanism.system.add_body("rod", 1.0, 1.0 / 12.0, {0.6, 0.0});
          mechanism.system.add("rod_world", joints::Revolute{{-0.5, 0.0}, {0.0, 0.0}}, rod,
                               dynamics::System::world);
@@ -168,23 +170,24 @@ inline program::Stability stability() {
          return mechanism.system.constraint_error(mechanism.initial_position());
        }},
       {"feedback past its limit: h√ks = 5", "", refused("kinetic energy"),
-       energy_error(of({}), {Name::rk4, Stabilization::feedback, 1e6, 2e3}, 2000, 0.005)},
+       energy_error(of({}), {Scheme::rk4, Stabilization::feedback, 1e6, 2e3}, 2000, 0.005)},
       {"steps of 0.5 s with explicit_euler", "", refused("kinetic energy"),
-       energy_error(of({}), {Name::explicit_euler, Stabilization::projection}, 1000, 0.5)},
+       energy_error(of({}), {Scheme::explicit_euler, Stabilization::projection}, 1000, 0.5)},
   };
   // [cases]
   stability.add_units(scene_in, {rk4, projected, feedback, midpoint, adaptive}, 100, 2e-3);
 
   stability.add_feedback(of({.links = 2}), {.step = 1e-5, .nudge = 1e-5});
   stability.map_remark = "Measured on a falling chain of two rods.";
-  stability.long_run = {.steps = 1000000,
-                        .step = 0.01,
-                        .methods = {{{Name::semi_implicit_euler, Stabilization::projection}, false},
-                                    {midpoint, false},
-                                    {rk4, false},
-                                    {projected, false},
-                                    {dop853, false}},
-                        .start = of({})};
+  stability.long_run = {
+      .steps = 1000000,
+      .step = 0.01,
+      .methods = {{{Scheme::semi_implicit_euler, Stabilization::projection}, false},
+                  {midpoint, false},
+                  {rk4, false},
+                  {projected, false},
+                  {dop853, false}},
+      .start = of({})};
   return stability;
 }
 

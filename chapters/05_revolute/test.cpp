@@ -8,11 +8,11 @@
 #include "catch.hpp"
 #include "cost.hpp"
 #include "exact.hpp"
-#include "measure/ladder.hpp"
+#include "instruments/measure/ladder.hpp"
+#include "instruments/measure/run_options.hpp"
 #include "orders.hpp"
 #include "picture_check.hpp"
 #include "pictures.hpp"
-#include "program/options.hpp"
 #include "scene.hpp"
 #include "stability.hpp"
 #include "stability_check.hpp"
@@ -20,9 +20,9 @@
 
 using dynamics::Body;
 using dynamics::System;
-using measure::Method;
-using measure::Stabilization;
-using program::Mechanism;
+using mechanics::Mechanism;
+using mechanics::Method;
+using mechanics::Stabilization;
 using revolute::direction;
 using revolute::end_of_rod;
 using revolute::make_mechanism;
@@ -34,7 +34,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-using Motion = measure::Motion<Mechanism>;
+using Motion = mechanics::Motion<Mechanism>;
 
 constexpr double pi = std::numbers::pi;
 
@@ -124,7 +124,7 @@ TEST_CASE("pin force of the rod released from horizontal: (5/2) m g sin θ and (
     q << x, theta;
     v << xdot, omega;
     Mechanism& model = rod.model();
-    measure::Row row;
+    mechanics::Row row;
     model.observe(t, q, v, row);
     CHECK((Vector2d(row.reactions[0], row.reactions[1]) - expected).norm() < 1e-13 * weight);
     // The pin sits at −L/2 from the centre of mass: its moment about it is that lever times force.
@@ -204,14 +204,14 @@ TEST_CASE("the reference of chains: one link is the pendulum, its energy stays, 
 }
 
 TEST_CASE("position, velocity and pin force converge with the order of the integrator") {
-  using enum integrators::Name;
+  using enum integrators::Scheme;
   for (const Scene& scene :
        {Scene{}, Scene{.angle0 = -0.9}, Scene{.links = 2}, Scene{.links = 4}}) {
     INFO("links " << scene.links << ", angle0 " << scene.angle0);
     const measure::Start start = [&](const Method& method) {
       return std::make_unique<Motion>(motion(scene, method));
     };
-    const measure::Errors errors = [&](const measure::Row& row) {
+    const measure::Errors errors = [&](const mechanics::Row& row) {
       return revolute::errors(scene, row);
     };
     const auto theory_holds = [&](const measure::Rung& rung, std::size_t k) {
@@ -238,7 +238,7 @@ TEST_CASE("position, velocity and pin force converge with the order of the integ
 TEST_CASE("energy is kept, the work of the pins is nothing") {
   for (const int links : {1, 3, 30}) {
     Motion rods = motion({.links = double(links), .mass = 2.0, .angle0 = 0.4},
-                         {integrators::Name::rk4, Stabilization::projection});
+                         {integrators::Scheme::rk4, Stabilization::projection});
     const double before = rods.measures().energy;
     CHECK(before == Approx(-2.0 * 9.81 * 0.5 * std::sin(0.4)).epsilon(1e-13));
     rods.advance(1000, 1e-3 / links);
@@ -250,7 +250,7 @@ TEST_CASE("the pins' forces explain the whole motion: Newton and Euler for each 
   const Scene scene{.links = 3, .angle0 = 0.2};
   Motion rods = motion(scene);
   rods.advance(700, 1e-3);
-  const measure::Row row = rods.row();
+  const mechanics::Row row = rods.row();
   VectorXd a(9);
   rods.model().acceleration(rods.time(), rods.q(), rods.v(), a);
   const Vector2d half(scene.l() / 2, 0.0);
@@ -301,7 +301,7 @@ TEST_CASE("a step allocates nothing") {
        {Stabilization::none, Stabilization::feedback, Stabilization::projection})
     for (const int links : {1, 20}) {
       Motion rods =
-          motion({.links = double(links)}, {integrators::Name::rk4, stabilization, 100.0, 20.0});
+          motion({.links = double(links)}, {integrators::Scheme::rk4, stabilization, 100.0, 20.0});
       rods.advance(1, 1e-3);
       const long before = allocations();
       rods.advance(100, 1e-3);
@@ -310,7 +310,7 @@ TEST_CASE("a step allocates nothing") {
 }
 
 TEST_CASE("projection holds the pins to rounding, feedback returns what it is given") {
-  Motion rods = motion({.links = 5}, {integrators::Name::rk4, Stabilization::projection});
+  Motion rods = motion({.links = 5}, {integrators::Scheme::rk4, Stabilization::projection});
   rods.advance(2000, 1e-3);
   CHECK(rods.measures().constraint_error < 1e-14);
   CHECK(rods.measures().velocity_error < 1e-13);
@@ -324,8 +324,8 @@ TEST_CASE("projection holds the pins to rounding, feedback returns what it is gi
       return q;
     }
   };
-  const Method feedback{integrators::Name::rk4, Stabilization::feedback, 25.0, 10.0};
-  measure::Motion<Off> fed(Off(make_mechanism({}, feedback)), feedback);
+  const Method feedback{integrators::Scheme::rk4, Stabilization::feedback, 25.0, 10.0};
+  mechanics::Motion<Off> fed(Off(make_mechanism({}, feedback)), feedback);
   fed.advance(1000, 1e-3);
   CHECK(fed.measures().constraint_error == Approx(0.01 * 6.0 * std::exp(-5.0)).epsilon(1e-6));
 }
@@ -386,7 +386,7 @@ TEST_CASE("long chains have no exact answer") {
 TEST_CASE("full matrices have the same equation: the solver's, to rounding") {
   for (const int links : {1, 2, 7}) {
     const Scene scene{.links = double(links), .length = 2.0, .mass = 3.0, .angle0 = 0.4};
-    program::Mechanism chain = revolute::make_mechanism(scene);
+    mechanics::Mechanism chain = revolute::make_mechanism(scene);
     revolute::FullMatrices full(scene);
     VectorXd q = chain.initial_position(), v = chain.initial_velocity(), a = v, b = v;
     for (int i = 0; i < links; ++i) {
@@ -428,7 +428,7 @@ TEST_CASE("solution 1: struck at two thirds of its length, the pin feels nothing
     Mechanism rod = make_mechanism(scene);
     const double blow = 5.0, lever = (at - 0.5) * scene.length;  // along −x, below the centre
     rod.system.apply(rod.system.thing<Body>("rod"), Vector3d(-blow, 0.0, lever * blow));
-    measure::Row row;
+    mechanics::Row row;
     rod.observe(0.0, rod.initial_position(), rod.initial_velocity(), row);
     // m L² θ̈/3 = at L · blow about the pin, and m a = −m θ̈ L/2 = pin − blow: so the force of the
     // pin is blow (1 − 3 at/2) against the blow.
@@ -462,7 +462,7 @@ TEST_CASE("solution 3: the largest step that a chain allows shrinks as 1/N") {
     const double before = rods.measures().energy;
     try {
       rods.advance(std::lround(0.3 / step), step);
-    } catch (const measure::Diverged&) {
+    } catch (const mechanics::Diverged&) {
       return std::numeric_limits<double>::infinity();
     }
     return std::abs(rods.measures().energy - before);
@@ -474,7 +474,7 @@ TEST_CASE("solution 3: the largest step that a chain allows shrinks as 1/N") {
 }
 
 namespace {
-const program::RunOptions defaults{.duration = 5.0, .step = 0.005};
+const measure::RunOptions defaults{.duration = 5.0, .step = 0.005};
 }
 
 TEST_CASE("the pictures of the lesson are those that the program draws") {
@@ -490,13 +490,13 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
        {Scene{.links = 40}, Scene{.length = 1e-6}, Scene{.length = 1e6}, Scene{.mass = 1e12},
         Scene{.angle0 = 100.0}, Scene{.angle0 = -pi / 2}, Scene{.gravity = 0.0}}) {
     INFO(scene.links << " " << scene.length << " " << scene.angle0);
-    const program::RunOptions run{.duration = 0.2, .step = 1e-3 * std::sqrt(scene.length)};
+    const measure::RunOptions run{.duration = 0.2, .step = 1e-3 * std::sqrt(scene.length)};
     for (const auto& picture :
          revolute::pictures(scene, {.duration = 200 * run.step, .step = run.step}))
       CHECK_NOTHROW(draw::render({.scale = 0.5}, picture.draw));
     CHECK_NOTHROW(
         draw::render({.width = 480, .height = 300},
-                     program::picture_at(revolute::stage(scene, run), 50 * run.step).draw));
+                     pictures::picture_at(revolute::stage(scene, run), 50 * run.step).draw));
   }
 }
 
@@ -505,12 +505,12 @@ TEST_CASE("a chain of any length bears the step that it is given: projected, it 
       {{1, 60.0}, {2, 60.0}, {3, 60.0}, {5, 5.0}, {6, 20.0}, {10, 5.0}, {20, 5.0}, {300, 0.5}}));
   INFO(links << " links");
   const Scene scene{.links = links};
-  Motion chain = motion(scene, {integrators::Name::rk4, Stabilization::projection});
+  Motion chain = motion(scene, {integrators::Scheme::rk4, Stabilization::projection});
   const double energy = chain.measures().energy, step = std::min(0.005, 0.1 / scene.fastest());
   double most = 0.0, off = 0.0;
   while (chain.time() < duration) {
     chain.advance(std::max(1L, std::lround(0.01 / step)), step);
-    const measure::Measures now = chain.measures();
+    const mechanics::Measures now = chain.measures();
     most = std::max(most, now.kinetic);
     off = std::max(off, std::abs(now.energy - energy));
   }

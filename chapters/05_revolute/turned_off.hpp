@@ -1,6 +1,6 @@
 #pragma once
 
-#include "joints/revolute.hpp"
+#include "mechanics/joints/revolute.hpp"
 
 namespace revolute {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "measure/simulation.hpp"
+#include "mechanics/motion/motion.hpp"
 #include "scene.hpp"
 
 namespace prismatic {
@@ -95,7 +95,7 @@ inline Exact exact(const Scene& scene, double t) {
 
 /// Distance to the exact answer, of the block: position [m], velocity [m/s], and the rail's force
 /// [N] and moment [N·m] on it.
-inline std::vector<double> errors(const Scene& scene, const measure::Row& row) {
+inline std::vector<double> errors(const Scene& scene, const mechanics::Row& row) {
   const Exact truth = exact(scene, row.t);
   const double* block = row.state.data() + (scene.spins() ? 6 : 0);  // x, y, θ, vx, vy, ω
   const Vector2d x(block[0], block[1]), v(block[3], block[4]);

@@ -5,9 +5,9 @@
 
 #include <string_view>
 
+#include "app/chapter.hpp"
 #include "exact.hpp"
 #include "pictures.hpp"
-#include "program/chapter.hpp"
 #include "scene.hpp"
 #include "stability.hpp"
 
@@ -16,17 +16,17 @@ int main(int argc, char** argv) {
   // On the incline RK4 is exact, so `report` measures the spinning rail unless told otherwise.
   if (argc > 1 && std::string_view(argv[1]) == "report") scene.spin = 5.0;
 
-  program::Chapter chapter;
+  app::Chapter chapter;
   chapter.directory = "06_prismatic";
   chapter.title = "Prismatic joint";
 
-  const program::Range inclines{-90.0, 90.0}, spins{-1e6, 1e6};
+  const app::Range inclines{-90.0, 90.0}, spins{-1e6, 1e6};
   chapter.parameters = {
       {"--incline", "deg", "of the fixed rail; positive: down to the right", &scene.incline,
        inclines},
-      {"--mass", "kg", "of the block", &scene.mass, program::positive, program::acts},
+      {"--mass", "kg", "of the block", &scene.mass, app::positive, app::acts},
       {"--gravity", "m/s²", "gravity, downwards; on the fixed rail only", &scene.gravity,
-       program::not_negative, program::acts},
+       app::not_negative, app::acts},
       {"--spin", "rad/s", "of a free rail at the start, for example 5; 0: it is fixed", &scene.spin,
        spins},
   };
@@ -34,13 +34,13 @@ int main(int argc, char** argv) {
   chapter.constraint_unit = "m or rad";
   chapter.fastest = [&scene] { return std::abs(scene.spin); };
 
-  chapter.start = [&scene](const measure::Method& method) {
-    return std::make_unique<measure::Motion<program::Mechanism>>(
+  chapter.start = [&scene](const mechanics::Method& method) {
+    return std::make_unique<mechanics::Motion<mechanics::Mechanism>>(
         prismatic::make_mechanism(scene, method), method);
   };
 
   chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}, {"force", "N"}, {"moment", "N·m"}};
-  chapter.errors = [&scene](const measure::Row& row) { return prismatic::errors(scene, row); };
+  chapter.errors = [&scene](const mechanics::Row& row) { return prismatic::errors(scene, row); };
 
   chapter.ladder = {.methods = measure::methods_to_compare(100.0, 20.0),
                     .duration = 1.0,
@@ -49,9 +49,9 @@ int main(int argc, char** argv) {
 
   chapter.stability = prismatic::stability;
 
-  chapter.pictures = [&scene](const program::RunOptions& run) {
+  chapter.pictures = [&scene](const measure::RunOptions& run) {
     return prismatic::pictures(scene, run);
   };
-  chapter.stage = [&scene](const program::RunOptions& run) { return prismatic::stage(scene, run); };
-  return program::run_chapter(argc, argv, chapter);
+  chapter.stage = [&scene](const measure::RunOptions& run) { return prismatic::stage(scene, run); };
+  return app::run_chapter(argc, argv, chapter);
 }

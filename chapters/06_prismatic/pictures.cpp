@@ -5,22 +5,22 @@
 #include <algorithm>
 #include <cmath>
 
-#include "draw/canvas.hpp"
-#include "draw/page.hpp"
-#include "program/mechanism_stage.hpp"
+#include "instruments/draw/canvas.hpp"
+#include "instruments/draw/page.hpp"
+#include "instruments/pictures/mechanism_stage.hpp"
 #include "turned_off.hpp"
 
 namespace prismatic {
 namespace {
 
 using draw::Canvas;
-using measure::Stabilization;
-using program::Picture;
-using program::RunOptions;
+using measure::RunOptions;
+using mechanics::Stabilization;
+using pictures::Picture;
 
-using Motion = measure::Motion<program::Mechanism>;
+using Motion = mechanics::Motion<mechanics::Mechanism>;
 
-Motion motion(const Scene& scene, const measure::Method& method = {}) {
+Motion motion(const Scene& scene, const mechanics::Method& method = {}) {
   return {make_mechanism(scene, method), method};
 }
 
@@ -42,7 +42,7 @@ struct Instant {
 };
 
 Instant now(const Scene& scene, Motion& motion) {
-  const measure::Row row = motion.row();
+  const mechanics::Row row = motion.row();
   const Eigen::VectorXd& q = motion.q();
   Instant instant{.t = row.t,
                   .rail = {0.0, 0.0},
@@ -106,8 +106,8 @@ Picture scene_picture(Scene scene) {
   const std::string caption = fmt::format(
       "On {:g}° the rail carries {} N of the weight of {} N, m g cos {:g}°; {} N are "
       "left to move the block.",
-      scene.incline, program::rounded(instant.force.norm()), program::rounded(weight.norm()),
-      scene.incline, program::rounded(sum.norm()));
+      scene.incline, pictures::rounded(instant.force.norm()), pictures::rounded(weight.norm()),
+      scene.incline, pictures::rounded(sum.norm()));
   return {
       "scene", [=](draw::Pen& pen) {
         Canvas canvas(pen, draw::page(pen, "A block on an inclined rail", caption), view);
@@ -128,12 +128,12 @@ Picture scene_picture(Scene scene) {
         }
         draw_block(canvas, scene, instant, 1.0);
         canvas.arrow({0.0, 0.0}, point(scale * weight), theme.weight,
-                     fmt::format("weight {} N", program::rounded(weight.norm())));
+                     fmt::format("weight {} N", pictures::rounded(weight.norm())));
         canvas.arrow({0.0, 0.0}, point(scale * instant.force), theme.constraint_force,
-                     fmt::format("reaction {} N", program::rounded(instant.force.norm())));
+                     fmt::format("reaction {} N", pictures::rounded(instant.force.norm())));
         canvas.arrow({0.0, 0.0}, point(scale * sum), theme.muted);
         const double aside = beta < 0.0 ? 1.0 : -1.0;  // where the rail leaves room for text
-        canvas.label(point(scale * sum), fmt::format("sum {} N", program::rounded(sum.norm())),
+        canvas.label(point(scale * sum), fmt::format("sum {} N", pictures::rounded(sum.norm())),
                      theme.muted, draw::Font::text, draw::Align::left, {12.0, 10.0 * aside});
         canvas.bead({0.0, 0.0}, 3.0, theme.ink, theme.ink);
         canvas.label(point(0.45 * along(beta)), "rail: n·d = 0,  θ = θ₂₁", theme.track,
@@ -166,7 +166,7 @@ Picture motion_picture(Scene scene, const RunOptions& run) {
       "After {:.2f} s the block has come {:.4f} m; ½ g sin {:g}° t² is {:.4f} m ({}, step {:g} s). "
       "The reaction stays {} N.",
       instants.back().t, length, scene.incline, 0.5 * pull * instants.back().t * instants.back().t,
-      run.method.label(), run.step, program::rounded(instants.back().force.norm()));
+      run.method.label(), run.step, pictures::rounded(instants.back().force.norm()));
   return {
       "motion", [=](draw::Pen& pen) {
         Canvas canvas(
@@ -223,8 +223,8 @@ Picture spin_picture(const Scene& given, const RunOptions& run) {
       "In {:.2f} s the block comes from {:g} m to {:.2f} m and the rail slows from {:.1f} to "
       "{:.2f} "
       "rad/s. Angular momentum {:.4g} kg·m²/s, kept to {} ({}, step {} s).",
-      spin.time(), scene.r0, reach, scene.spin, spin.v()[2], before, program::figure(error),
-      run.method.label(), program::figure(step));
+      spin.time(), scene.r0, reach, scene.spin, spin.v()[2], before, pictures::figure(error),
+      run.method.label(), pictures::figure(step));
   return {
       "spin", [=](draw::Pen& pen) {
         Canvas canvas(
@@ -251,22 +251,22 @@ Picture spin_picture(const Scene& given, const RunOptions& run) {
 
 Picture drift_picture(const Scene& given, const RunOptions& run) {
   const Scene scene = spinning(given);
-  std::vector<program::Drift> drifts;
-  for (const auto& method : integrators::methods) {
-    Motion spin = motion(scene, {.integrator = method.name});
-    drifts.push_back(program::drift(std::string(method.text), spin, run.duration, run.step));
+  std::vector<pictures::Drift> drifts;
+  for (const auto& scheme : integrators::schemes) {
+    Motion spin = motion(scene, {.integrator = scheme.id});
+    drifts.push_back(pictures::drift(std::string(scheme.text), spin, run.duration, run.step));
   }
   const std::string caption = fmt::format(
       "Spinning rail, no stabilization, step {:g} s, {:g} s: explicit Euler takes the block {} m "
       "off its rail, RK4 {} m, dop853 {} m.",
-      run.step, run.duration, program::figure(drifts.front().largest_constraint_error),
-      program::figure(drifts[3].largest_constraint_error),
-      program::figure(drifts[4].largest_constraint_error));
-  return program::drift_picture("drift", "How five methods leave the turning rail", caption, drifts,
-                                "m or rad");
+      run.step, run.duration, pictures::figure(drifts.front().largest_constraint_error),
+      pictures::figure(drifts[3].largest_constraint_error),
+      pictures::figure(drifts[4].largest_constraint_error));
+  return pictures::drift_picture("drift", "How five methods leave the turning rail", caption,
+                                 drifts, "m or rad");
 }
 
-double at_the_end(const program::Drift& drift) {
+double at_the_end(const pictures::Drift& drift) {
   return drift.constraint_error.empty() ? 0.0 : drift.constraint_error.back().y;
 }
 
@@ -274,38 +274,38 @@ Picture stabilization_picture(const Scene& given, const RunOptions& run) {
   const Scene scene = spinning(given);
   // Coarse enough that RK4 has something to correct, long enough to see what becomes of it.
   const double step = 15.0 * run.step, duration = 10.0 * run.duration;
-  std::vector<program::Drift> drifts;
-  for (const measure::Method& method :
-       {measure::Method{},
-        measure::Method{integrators::Name::rk4, Stabilization::feedback, 100.0, 20.0},
-        measure::Method{integrators::Name::rk4, Stabilization::projection}}) {
+  std::vector<pictures::Drift> drifts;
+  for (const mechanics::Method& method :
+       {mechanics::Method{},
+        mechanics::Method{integrators::Scheme::rk4, Stabilization::feedback, 100.0, 20.0},
+        mechanics::Method{integrators::Scheme::rk4, Stabilization::projection}}) {
     Motion spin = motion(scene, method);
-    drifts.push_back(program::drift(method.label(), spin, duration, step));
+    drifts.push_back(pictures::drift(method.label(), spin, duration, step));
   }
   const std::string caption = fmt::format(
       "RK4 with a coarse step of {:g} s: after {:g} s the block is off by {} m alone, by {} m with "
       "feedback (ks = 100, kd = 20), by {} m with projection.",
-      step, duration, program::figure(at_the_end(drifts[0])),
-      program::figure(at_the_end(drifts[1])), program::figure(at_the_end(drifts[2])));
-  return program::drift_picture("stabilization", "Holding the block on its rail", caption, drifts,
-                                "m or rad");
+      step, duration, pictures::figure(at_the_end(drifts[0])),
+      pictures::figure(at_the_end(drifts[1])), pictures::figure(at_the_end(drifts[2])));
+  return pictures::drift_picture("stabilization", "Holding the block on its rail", caption, drifts,
+                                 "m or rad");
 }
 
 Picture turned_off_picture(const Scene& given, const RunOptions& run) {
   const Scene scene = spinning(given);
   Motion without(make_spin<WithoutCoriolis>(scene), {}), with = motion(scene);
   const double duration = 0.5 * run.duration;
-  const std::vector<program::Drift> drifts{
-      program::drift("without 2 ω1 (S n)·(dd/dt)", without, duration, run.step),
-      program::drift("with 2 ω1 (S n)·(dd/dt)", with, duration, run.step)};
+  const std::vector<pictures::Drift> drifts{
+      pictures::drift("without 2 ω1 (S n)·(dd/dt)", without, duration, run.step),
+      pictures::drift("with 2 ω1 (S n)·(dd/dt)", with, duration, run.step)};
   const std::string caption = fmt::format(
       "In {:g} s the block leaves the rail by {} m without the Coriolis term, by {} m with it "
       "(rk4, "
       "step {:g} s).",
-      duration, program::figure(drifts[0].largest_constraint_error),
-      program::figure(drifts[1].largest_constraint_error), run.step);
-  return program::drift_picture("turned_off", "The Coriolis term, left out", caption, drifts,
-                                "m or rad");
+      duration, pictures::figure(drifts[0].largest_constraint_error),
+      pictures::figure(drifts[1].largest_constraint_error), run.step);
+  return pictures::drift_picture("turned_off", "The Coriolis term, left out", caption, drifts,
+                                 "m or rad");
 }
 
 /// How far from (0, 0) the block is after some time: exact on the incline, at most so far on the
@@ -315,7 +315,7 @@ double reach(const Scene& scene, double t) {
                        : 0.5 * scene.gravity * std::abs(std::sin(scene.angle())) * t * t;
 }
 
-class BlockStage final : public program::MechanismStage {
+class BlockStage final : public pictures::MechanismStage {
  public:
   BlockStage(const Scene& scene, const RunOptions& run)
       : MechanismStage(run, make_mechanism(scene, run.method)), scene_(scene) {
@@ -341,14 +341,15 @@ class BlockStage final : public program::MechanismStage {
     return fmt::format(
         "t = {:.3f} s: block at ({}, {}) m, {} m/s{}, |C| = {} m or rad ({}, step {:g} "
         "s).",
-        time(), program::rounded(instant.x.x(), 3), program::rounded(instant.x.y(), 3),
-        program::rounded(motion.v().segment<2>(block).norm(), 3),
-        scene_.spins() ? fmt::format(", rail at {} rad/s", program::rounded(motion.v()[2], 3)) : "",
-        program::figure(motion.measures().constraint_error), run().method.label(), run().step);
+        time(), pictures::rounded(instant.x.x(), 3), pictures::rounded(instant.x.y(), 3),
+        pictures::rounded(motion.v().segment<2>(block).norm(), 3),
+        scene_.spins() ? fmt::format(", rail at {} rad/s", pictures::rounded(motion.v()[2], 3))
+                       : "",
+        pictures::figure(motion.measures().constraint_error), run().method.label(), run().step);
   }
 
  private:
-  void draw_things(Canvas& canvas, const program::Show& show) override {
+  void draw_things(Canvas& canvas, const pictures::Show& show) override {
     const Instant instant = now(scene_, motion);
     draw_rail(canvas, instant, 3.0 * size_of(view()), 1.0, 2.4);
     if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.6, draw::Dash::dotted);
@@ -356,11 +357,12 @@ class BlockStage final : public program::MechanismStage {
     if (scene_.width * canvas.points_per_metre() < 10.0)  // else it could not be seen from afar
       canvas.bead(point(instant.x), 4.0, canvas.theme().body, canvas.theme().body_edge);
     if (show.forces)
-      canvas.arrow(
-          point(instant.x),
-          point(force_scale(largest_force(), 0.2 * size_of(view())) * instant.force),
-          canvas.theme().constraint_force,
-          show.numbers ? fmt::format("reaction {} N", program::rounded(instant.force.norm())) : "");
+      canvas.arrow(point(instant.x),
+                   point(force_scale(largest_force(), 0.2 * size_of(view())) * instant.force),
+                   canvas.theme().constraint_force,
+                   show.numbers
+                       ? fmt::format("reaction {} N", pictures::rounded(instant.force.norm()))
+                       : "");
     if (scene_.spins()) canvas.pin({0.0, 0.0});
   }
 
@@ -385,7 +387,7 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
       drift_picture(scene, run), stabilization_picture(scene, run), turned_off_picture(scene, run)};
 }
 
-std::unique_ptr<program::Stage> stage(const Scene& scene, const RunOptions& run) {
+std::unique_ptr<pictures::Stage> stage(const Scene& scene, const RunOptions& run) {
   return std::make_unique<BlockStage>(scene, run);
 }
 

@@ -3,18 +3,18 @@
 #include <memory>
 #include <vector>
 
-#include "program/options.hpp"
-#include "program/pictures.hpp"
-#include "program/stage.hpp"
+#include "instruments/measure/run_options.hpp"
+#include "instruments/pictures/pictures.hpp"
+#include "instruments/pictures/stage.hpp"
 #include "scene.hpp"
 
 namespace prismatic {
 
 /// The pictures of the lesson: scene, motion, spin, drift, stabilization, turned_off. Those of the
 /// spinning rail take 5 rad/s where the scene does not spin.
-std::vector<program::Picture> pictures(const Scene& scene, const program::RunOptions& run);
+std::vector<pictures::Picture> pictures(const Scene& scene, const measure::RunOptions& run);
 
 /// The block in motion, with the rail's force and its trail.
-std::unique_ptr<program::Stage> stage(const Scene& scene, const program::RunOptions& run);
+std::unique_ptr<pictures::Stage> stage(const Scene& scene, const measure::RunOptions& run);
 
 }  // namespace prismatic

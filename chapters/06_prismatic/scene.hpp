@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "joints/prismatic.hpp"
-#include "joints/revolute.hpp"
-#include "program/mechanism.hpp"
+#include "mechanics/joints/prismatic.hpp"
+#include "mechanics/joints/revolute.hpp"
+#include "mechanics/motion/mechanism.hpp"
 
 namespace prismatic {
 
@@ -36,8 +36,8 @@ inline Vector2d across(double theta) { return {-std::sin(theta), std::cos(theta)
 
 // [incline]
 /// The rail is a line of the world, and the world has no coordinates: one body, two rows.
-inline program::Mechanism make_incline(const Scene& scene, const measure::Method& method = {}) {
-  program::Mechanism mechanism(method);
+inline mechanics::Mechanism make_incline(const Scene& scene, const mechanics::Method& method = {}) {
+  mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
   system.set_gravity({0.0, scene.gravity});
   const auto block =
@@ -52,8 +52,8 @@ inline program::Mechanism make_incline(const Scene& scene, const measure::Method
 // [spin]
 /// The rail is a body: two bodies, a pin and a rail, four rows. Rail and block turn together.
 template <class Joint = joints::Prismatic>
-program::Mechanism make_spin(const Scene& scene, const measure::Method& method = {}) {
-  program::Mechanism mechanism(method);
+mechanics::Mechanism make_spin(const Scene& scene, const mechanics::Method& method = {}) {
+  mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
   const double r0 = scene.r0, spin = scene.spin;
   const auto rail = system.add_body("rail", scene.rail_mass, scene.rail_inertia, {0.0, 0.0}, 0.0,
@@ -76,7 +76,8 @@ inline double angular_momentum(const Scene& scene, const Eigen::VectorXd& q,
          scene.mass * (q[3] * v[4] - q[4] * v[3]);
 }
 
-inline program::Mechanism make_mechanism(const Scene& scene, const measure::Method& method = {}) {
+inline mechanics::Mechanism make_mechanism(const Scene& scene,
+                                           const mechanics::Method& method = {}) {
   return scene.spins() ? make_spin(scene, method) : make_incline(scene, method);
 }
 

@@ -1,20 +1,22 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <memory>
 
 #include "exact.hpp"
-#include "integrators/amplification.hpp"
-#include "program/stability.hpp"
+#include "instruments/measure/cases.hpp"
+#include "mechanics/integrators/amplification.hpp"
 #include "scene.hpp"
 
 namespace prismatic {
 
 /// The block on a level rail, held by a spring of stiffness k [N/m] and let go 0.1 m off its rest.
 /// The exact motion is 0.1 cos(√(k/m) t).
-inline program::Mechanism make_spring(double k, const measure::Method& method) {
+inline mechanics::Mechanism make_spring(double k, const mechanics::Method& method) {
   const Scene scene{.incline = 0.0, .gravity = 0.0};
-  program::Mechanism mechanism(method);
+  mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
   const auto block = system.add_body("block", scene.mass, scene.inertia(), {0.1, 0.0});
   system.add("block_rail", joints::Prismatic{}, system.world, block);
@@ -27,46 +29,46 @@ inline program::Mechanism make_spring(double k, const measure::Method& method) {
 }
 
 /// Whether the spring's oscillation stays bounded at a step of h_omega / √(k/m) [s].
-inline bool spring_stays(const measure::Method& method, double k, double h_omega) {
-  measure::Motion<program::Mechanism> motion(make_spring(k, method), method);
+inline bool spring_stays(const mechanics::Method& method, double k, double h_omega) {
+  mechanics::Motion<mechanics::Mechanism> motion(make_spring(k, method), method);
   const double start = motion.measures().energy;
   try {
     for (int i = 0; i < 200; ++i) {
       motion.advance(20, h_omega / std::sqrt(k));
       if (!(motion.measures().energy < 1e3 * start)) return false;
     }
-  } catch (const measure::Diverged&) {
+  } catch (const mechanics::Diverged&) {
     return false;
   }
   return true;
 }
 
 /// The stiff and extreme cases of block and rail, each with the outcome expected of it.
-inline program::Stability stability() {
-  using integrators::Name;
-  using measure::Method;
-  using measure::Stabilization;
-  using program::accurate;
-  using program::drift;
-  using program::energy_error;
-  using program::refused;
-  using Motion = measure::Motion<program::Mechanism>;
+inline measure::Stability stability() {
+  using integrators::Scheme;
+  using measure::accurate;
+  using measure::drift;
+  using measure::energy_error;
+  using measure::refused;
+  using mechanics::Method;
+  using mechanics::Stabilization;
+  using Motion = mechanics::Motion<mechanics::Mechanism>;
 
   const auto of = [](const Scene& scene) -> measure::Start {
     return [scene](const Method& method) {
       return std::make_unique<Motion>(make_mechanism(scene, method), method);
     };
   };
-  const Method rk4{Name::rk4}, projected{Name::rk4, Stabilization::projection},
-      feedback{Name::rk4, Stabilization::feedback, 100.0, 20.0},
-      midpoint{Name::implicit_midpoint, Stabilization::projection},
-      adaptive{Name::dop853, Stabilization::projection, 0.0, 0.0, 1e-8};
+  const Method rk4{Scheme::rk4}, projected{Scheme::rk4, Stabilization::projection},
+      feedback{Scheme::rk4, Stabilization::feedback, 100.0, 20.0},
+      midpoint{Scheme::implicit_midpoint, Stabilization::projection},
+      adaptive{Scheme::dop853, Stabilization::projection, 0.0, 0.0, 1e-8};
   const auto place = [=](const Scene& scene, const Method& method, long steps, double h) {
-    return program::final_error(
-        of(scene), [=](const measure::Row& row) { return errors(scene, row); }, 0, method, steps,
+    return measure::final_error(
+        of(scene), [=](const mechanics::Row& row) { return errors(scene, row); }, 0, method, steps,
         h);
   };
-  const auto scene_in = [=](const program::Units& units) {
+  const auto scene_in = [=](const measure::Units& units) {
     const auto& [L, T, m] = units;
     const Scene here{.spin = 5.0};
     Scene there = here;
@@ -77,7 +79,7 @@ inline program::Stability stability() {
     return of(there);
   };
 
-  program::Stability stability;
+  measure::Stability stability;
   // [cases]
   stability.cases = {
       {"a level rail: at rest for 1e5 steps", "place, m", accurate(1e-12),
@@ -99,38 +101,38 @@ inline program::Stability stability() {
       {"a second rail in the same line", "place, m", accurate(1e-9),
        [=] {
          const Scene scene;
-         program::Mechanism mechanism = make_incline(scene, projected);
+         mechanics::Mechanism mechanism = make_incline(scene, projected);
          mechanism.system.add(
              "again", joints::Prismatic{.n_hat = across(scene.angle()), .theta21 = scene.angle()},
              dynamics::System::world, mechanism.system.thing<dynamics::Body>("block"));
          Motion motion(std::move(mechanism), projected);
          motion.advance(1000, 1e-3);
-         const measure::Row row = motion.row();
+         const mechanics::Row row = motion.row();
          if (motion.model().system.dependent_rows().size() != 2) return 1.0;
          return errors(scene, row)[0];
        }},
       {"feedback past its limit: h√ks = 5", "", refused("kinetic energy"),
-       energy_error(of({.spin = 5.0}), {Name::rk4, Stabilization::feedback, 6.25e6, 5e3}, 2000,
+       energy_error(of({.spin = 5.0}), {Scheme::rk4, Stabilization::feedback, 6.25e6, 5e3}, 2000,
                     0.002)},
   };
   // [cases]
   stability.add_units(scene_in, {rk4, projected, feedback, midpoint, adaptive}, 100, 1e-3);
 
   // A stiff spring on the block: the limit of h √(k/m), for every stiffness the same.
-  for (const auto& method : integrators::methods) {
+  for (const auto& scheme : integrators::schemes) {
     double theory = 0.0, unstable = 8.0;
     for (int i = 0; i < 14; ++i) {
       const double h_omega = 0.5 * (theory + unstable);
-      const bool stays = integrators::amplification(method.name, h_omega, 1.0, 0.0) <= 1.0 + 1e-3;
+      const bool stays = integrators::amplification(scheme.id, h_omega, 1.0, 0.0) <= 1.0 + 1e-3;
       (stays ? theory : unstable) = h_omega;
     }
     for (const double k : {1e2, 1e6, 1e10}) {
       const std::string name =
-          theory > 7.9 ? fmt::format("{:g} N/m, {}: any step (to 8)", k, method.text)
-                       : fmt::format("{:g} N/m, {}: h√(k/m) to {:.3g}{}", k, method.text, theory,
-                                     method.name == Name::explicit_euler ? " *" : "");
+          theory > 7.9 ? fmt::format("{:g} N/m, {}: any step (to 8)", k, scheme.text)
+                       : fmt::format("{:g} N/m, {}: h√(k/m) to {:.3g}{}", k, scheme.text, theory,
+                                     scheme.id == Scheme::explicit_euler ? " *" : "");
       stability.cases.push_back(
-          {name, "spring limit found, off theory's", accurate(0.05), [=, integrator = method.name] {
+          {name, "spring limit found, off theory's", accurate(0.05), [=, integrator = scheme.id] {
              double found = 0.0, too_long = 8.0;
              for (int i = 0; i < 14; ++i) {
                const double h_omega = 0.5 * (found + too_long);
@@ -142,7 +144,7 @@ inline program::Stability stability() {
   }
   stability.cases.push_back({"1e10 N/m, implicit_midpoint, steps of 0.01 s",
                              "energy error, relative", accurate(1e-9), [] {
-                               const Method method{Name::implicit_midpoint};
+                               const Method method{Scheme::implicit_midpoint};
                                Motion motion(make_spring(1e10, method), method);
                                const double start = motion.measures().energy;
                                motion.advance(1000, 0.01);

@@ -6,7 +6,7 @@
 #include "allocations.hpp"
 #include "catch.hpp"
 #include "exact.hpp"
-#include "measure/ladder.hpp"
+#include "instruments/measure/ladder.hpp"
 #include "orders.hpp"
 #include "picture_check.hpp"
 #include "pictures.hpp"
@@ -16,15 +16,15 @@
 #include "turned_off.hpp"
 
 using dynamics::Body;
-using measure::Method;
-using measure::Stabilization;
+using mechanics::Mechanism;
+using mechanics::Method;
+using mechanics::Stabilization;
 using prismatic::across;
 using prismatic::along;
 using prismatic::angular_momentum;
 using prismatic::make_mechanism;
 using prismatic::Scene;
 using prismatic::SpinMotion;
-using program::Mechanism;
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -32,7 +32,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-using Motion = measure::Motion<Mechanism>;
+using Motion = mechanics::Motion<Mechanism>;
 
 Motion motion(const Scene& scene, const Method& method = {}) {
   return {make_mechanism(scene, method), method};
@@ -114,7 +114,7 @@ TEST_CASE("on the incline every method with the right velocity is exact, and RK4
     const double s = 0.5 * 9.81 * std::sin(beta) * 4.0;
     CHECK((block.q().head<2>() - Vector2d(s * std::cos(beta), s * std::sin(beta))).norm() < 1e-12);
     // The reaction pushes the block off the rail, upwards, and turns nothing.
-    const measure::Row row = block.row();
+    const mechanics::Row row = block.row();
     const double N = 2.5 * 9.81 * std::cos(beta);
     CHECK(row.reactions[0] == Approx(N * std::sin(beta)).epsilon(0.0).margin(1e-12));
     CHECK(row.reactions[1] == Approx(-N * std::cos(beta)).epsilon(0.0).margin(1e-12));
@@ -122,8 +122,8 @@ TEST_CASE("on the incline every method with the right velocity is exact, and RK4
     CHECK(row.measures.constraint_error < 1e-13);
   }
   // Semi-implicit Euler is off by g sin β t h/2, explicit Euler by the same the other way.
-  for (const auto& [name, sign] : {std::pair{integrators::Name::semi_implicit_euler, 1.0},
-                                   std::pair{integrators::Name::explicit_euler, -1.0}}) {
+  for (const auto& [name, sign] : {std::pair{integrators::Scheme::semi_implicit_euler, 1.0},
+                                   std::pair{integrators::Scheme::explicit_euler, -1.0}}) {
     Motion block = motion({}, {.integrator = name});
     block.advance(100, 0.01);
     const double s = block.q().head<2>().norm();
@@ -132,13 +132,13 @@ TEST_CASE("on the incline every method with the right velocity is exact, and RK4
 }
 
 TEST_CASE("position, velocity, force and moment converge with the order of the integrator") {
-  using enum integrators::Name;
+  using enum integrators::Scheme;
   for (const Scene& scene : {Scene{.spin = 5.0}, Scene{.mass = 3.0, .spin = -2.0}}) {
     INFO("spin " << scene.spin);
     const measure::Start start = [&](const Method& method) {
       return std::make_unique<Motion>(motion(scene, method));
     };
-    const measure::Errors errors = [&](const measure::Row& row) {
+    const measure::Errors errors = [&](const mechanics::Row& row) {
       return prismatic::errors(scene, row);
     };
     const auto theory_holds = [](const measure::Rung& rung, std::size_t k) {
@@ -162,7 +162,7 @@ TEST_CASE("position, velocity, force and moment converge with the order of the i
 
 TEST_CASE("energy and angular momentum are kept") {
   const Scene scene{.spin = 5.0};
-  Motion spin = motion(scene, {integrators::Name::rk4, Stabilization::projection});
+  Motion spin = motion(scene, {integrators::Scheme::rk4, Stabilization::projection});
   const double I = scene.rail_inertia + 0.05 / 12.0 + 0.09;
   CHECK(angular_momentum(scene, spin.q(), spin.v()) == Approx(5.0 * I).epsilon(1e-15));
   CHECK(spin.measures().energy == Approx(0.5 * 25.0 * I).epsilon(1e-15));
@@ -177,7 +177,7 @@ TEST_CASE("energy and angular momentum are kept") {
 TEST_CASE("rail and pin push against each other: the sum on the rail is nothing") {
   Motion spin = motion({.spin = 5.0});
   spin.advance(300, 1e-3);
-  const measure::Row row = spin.row();
+  const mechanics::Row row = spin.row();
   const Vector2d block(row.reactions[0], row.reactions[1]), pin(row.reactions[3], row.reactions[4]);
   CHECK((pin - block).norm() < 1e-12 * block.norm());
   CHECK(row.reactions[5] == Approx(0.0).margin(1e-13));
@@ -243,7 +243,7 @@ TEST_CASE("a step allocates nothing") {
   for (const double spin : {0.0, 5.0})
     for (const auto stabilization :
          {Stabilization::none, Stabilization::feedback, Stabilization::projection}) {
-      Motion block = motion({.spin = spin}, {integrators::Name::rk4, stabilization, 100.0, 20.0});
+      Motion block = motion({.spin = spin}, {integrators::Scheme::rk4, stabilization, 100.0, 20.0});
       block.advance(1, 1e-3);
       const long before = allocations();
       block.advance(100, 1e-3);
@@ -252,7 +252,7 @@ TEST_CASE("a step allocates nothing") {
 }
 
 TEST_CASE("projection keeps the block on the turning rail to rounding") {
-  Motion spin = motion({.spin = 5.0}, {integrators::Name::rk4, Stabilization::projection});
+  Motion spin = motion({.spin = 5.0}, {integrators::Scheme::rk4, Stabilization::projection});
   spin.advance(100, 0.01);
   CHECK(spin.measures().constraint_error < 1e-14);
   CHECK(spin.measures().velocity_error < 1e-13);
@@ -286,7 +286,7 @@ TEST_CASE("solution 1: pushed at its lower edge the block feels a moment, and sl
   const Vector2d force = push * along(beta), arm = 0.05 * across(beta);
   block.system.apply(block.system.thing<Body>("block"),
                      Vector3d(force.x(), force.y(), arm.x() * force.y() - arm.y() * force.x()));
-  measure::Row row;
+  mechanics::Row row;
   block.observe(0.0, block.initial_position(), block.initial_velocity(), row);
   CHECK(row.reactions[2] == Approx(push * 0.05).epsilon(1e-13));
   VectorXd a(3);
@@ -302,7 +302,7 @@ TEST_CASE("solution 2: held at r0 the block needs a force of m ω² r0 inwards, 
     const Vector2d pull = -scene.mass * block.omega * block.omega * block.x;
     return Vector3d(pull.x(), pull.y(), 0.0);
   });
-  Motion held(std::move(spin), {integrators::Name::rk4, Stabilization::projection});
+  Motion held(std::move(spin), {integrators::Scheme::rk4, Stabilization::projection});
   held.advance(1000, 1e-3);
   CHECK(held.q().segment<2>(3).norm() == Approx(0.3).epsilon(1e-10));
   CHECK(held.v()[2] == Approx(5.0).epsilon(1e-10));
@@ -311,7 +311,7 @@ TEST_CASE("solution 2: held at r0 the block needs a force of m ω² r0 inwards, 
 }
 
 namespace {
-const program::RunOptions defaults{.duration = 2.0, .step = 0.002};
+const measure::RunOptions defaults{.duration = 2.0, .step = 0.002};
 }
 
 TEST_CASE("the pictures of the lesson are those that the program draws") {
@@ -323,11 +323,11 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
        {Scene{.incline = 90.0}, Scene{.incline = -90.0}, Scene{.incline = 0.0}, Scene{.mass = 1e12},
         Scene{.gravity = 0.0}, Scene{.spin = -1e-3}, Scene{.spin = 1e3}}) {
     INFO(scene.incline << " " << scene.mass << " " << scene.spin);
-    const program::RunOptions run{.duration = 0.01, .step = 1e-4};
+    const measure::RunOptions run{.duration = 0.01, .step = 1e-4};
     for (const auto& picture : prismatic::pictures(scene, run))
       CHECK_NOTHROW(draw::render({.scale = 0.5}, picture.draw));
     CHECK_NOTHROW(draw::render({.width = 480, .height = 300},
-                               program::picture_at(prismatic::stage(scene, run), 0.005).draw));
+                               pictures::picture_at(prismatic::stage(scene, run), 0.005).draw));
   }
 }
 

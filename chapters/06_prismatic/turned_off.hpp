@@ -1,6 +1,6 @@
 #pragma once
 
-#include "joints/prismatic.hpp"
+#include "mechanics/joints/prismatic.hpp"
 
 namespace prismatic {
 

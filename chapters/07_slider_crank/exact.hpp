@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "measure/simulation.hpp"
+#include "mechanics/motion/motion.hpp"
 #include "scene.hpp"
 
 namespace slider_crank {
@@ -400,8 +400,8 @@ inline Reactions reactions(const Scene& scene, const Exact::State& state) {
 
 /// Errors of a row: wheel angle [rad], its rate [rad/s], and all joint forces together [N]. Empty
 /// where no exact answer is computed.
-inline std::vector<double> errors(const Scene& scene, const measure::Columns& columns,
-                                  const measure::Row& row) {
+inline std::vector<double> errors(const Scene& scene, const mechanics::Columns& columns,
+                                  const mechanics::Row& row) {
   const auto state = Exact(scene).at(row.t);
   if (!state) return {};
   const Reactions truth = reactions(scene, *state);

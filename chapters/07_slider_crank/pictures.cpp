@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "draw/canvas.hpp"
-#include "draw/page.hpp"
-#include "program/mechanism_stage.hpp"
+#include "instruments/draw/canvas.hpp"
+#include "instruments/draw/page.hpp"
+#include "instruments/pictures/mechanism_stage.hpp"
 #include "turned_off.hpp"
 
 namespace slider_crank {
@@ -17,14 +17,14 @@ namespace {
 using draw::Canvas;
 using draw::Point;
 using Eigen::Vector2d;
-using measure::Stabilization;
-using program::Picture;
-using program::RunOptions;
+using measure::RunOptions;
+using mechanics::Stabilization;
+using pictures::Picture;
 
-using Motion = measure::Motion<program::Mechanism>;
+using Motion = mechanics::Motion<mechanics::Mechanism>;
 constexpr double turn = 2.0 * std::numbers::pi;
 
-Motion motion(const Scene& scene, const measure::Method& method) {
+Motion motion(const Scene& scene, const mechanics::Method& method) {
   return {make_mechanism(scene, method), method};
 }
 
@@ -52,7 +52,7 @@ struct Instant {
 };
 
 Instant now(const Scene& scene, Motion& motion, const Bodies& bodies) {
-  const measure::Row row = motion.row();
+  const mechanics::Row row = motion.row();
   const auto pose = [&](const auto& body) {
     return Pose{motion.q().segment<2>(body.column), motion.q()[body.column + 2]};
   };
@@ -75,7 +75,7 @@ Instant now(const Scene& scene, Motion& motion, const Bodies& bodies) {
 /// One revolution, or the run where it ends before: an instant each step.
 std::vector<Instant> revolution(const Scene& scene, const RunOptions& run) {
   Bodies bodies;
-  program::Mechanism mechanism = make_mechanism(scene, run.method, &bodies);
+  mechanics::Mechanism mechanism = make_mechanism(scene, run.method, &bodies);
   Motion crank(std::move(mechanism), run.method);
   std::vector<Instant> instants{now(scene, crank, bodies)};
   const long steps = run.whole_steps(), stride = std::max(1L, steps / 20000);
@@ -144,7 +144,7 @@ void draw_forces(Canvas& canvas, const Instant& at, double newtons, double metre
   const auto arrow = [&](const Vector2d& where, const Vector2d& force, std::size_t color,
                          const char* name) {
     canvas.arrow(point(where), point(metres / newtons * force), canvas.theme().series[color],
-                 labelled ? fmt::format("{} {} N", name, program::rounded(force.norm(), 1)) : "");
+                 labelled ? fmt::format("{} {} N", name, pictures::rounded(force.norm(), 1)) : "");
   };
   arrow(at.wheel.x, at.forces.wheel_frame, 2, "wheel_frame");
   arrow(at.rod_start, at.forces.rod_wheel, 1, "rod_wheel");
@@ -267,7 +267,7 @@ Picture forces_picture(const Scene& scene, const RunOptions& run) {
       "Largest at θ = {:.2f} rad, t = {:.3f} s: the frame holds the wheel with {} N. Arrows: "
       "the force on the "
       "body that the joint's name starts with.",
-      worst.wheel.angle, worst.t, program::rounded(worst.forces.wheel_frame.norm(), 1));
+      worst.wheel.angle, worst.t, pictures::rounded(worst.forces.wheel_frame.norm(), 1));
   return {
       "forces", [=](draw::Pen& pen) {
         draw::Plot colored = plot;
@@ -289,7 +289,7 @@ Picture forces_picture(const Scene& scene, const RunOptions& run) {
 
 Picture energy_picture(const Scene& scene, const RunOptions& run) {
   Bodies bodies;
-  program::Mechanism mechanism = make_mechanism(scene, run.method, &bodies);
+  mechanics::Mechanism mechanism = make_mechanism(scene, run.method, &bodies);
   Motion crank(std::move(mechanism), run.method);
   const double start = crank.measures().energy;
   draw::Curve energy{.label = "E(t) − E(0)", .thickness = 4.5},
@@ -299,7 +299,7 @@ Picture energy_picture(const Scene& scene, const RunOptions& run) {
   const long steps = run.whole_steps(), stride = std::max(1L, steps / 400);
   for (long done = 0; done < steps; done += stride) {
     crank.advance(stride, run.step);
-    const measure::Measures now = crank.measures();
+    const mechanics::Measures now = crank.measures();
     energy.points.push_back({crank.time(), now.energy - start});
     work.points.push_back({crank.time(), now.work});
     error.points.push_back({crank.time(), std::abs(now.energy - start - now.work)});
@@ -308,7 +308,7 @@ Picture energy_picture(const Scene& scene, const RunOptions& run) {
   const std::string caption = fmt::format(
       "The torque does {:.2f} J of work in {:g} s; the energy differs from it by at most {} J ({}, "
       "step {:g} s).",
-      work.points.back().y, run.duration, program::figure(worst), run.method.label(), run.step);
+      work.points.back().y, run.duration, pictures::figure(worst), run.method.label(), run.step);
   return {"energy", [=](draw::Pen& pen) {
             const draw::Rect content =
                 draw::page(pen, "The energy is what the torque has put in", caption);
@@ -329,61 +329,62 @@ Picture energy_picture(const Scene& scene, const RunOptions& run) {
           }};
 }
 
-program::Drift drift(const Scene& scene, const measure::Method& method, double duration,
-                     double step) {
+pictures::Drift drift(const Scene& scene, const mechanics::Method& method, double duration,
+                      double step) {
   Motion crank = motion(scene, method);
-  return program::drift(method.label(), crank, duration, step);
+  return pictures::drift(method.label(), crank, duration, step);
 }
 
 Picture drift_picture(const Scene& scene, const RunOptions& run) {
-  std::vector<program::Drift> drifts;
-  for (const auto& method : integrators::methods)
-    drifts.push_back(drift(scene, {.integrator = method.name}, run.duration, run.step));
+  std::vector<pictures::Drift> drifts;
+  for (const auto& scheme : integrators::schemes)
+    drifts.push_back(drift(scene, {.integrator = scheme.id}, run.duration, run.step));
   const std::string caption = fmt::format(
       "No stabilization, step {:g} s, {:g} s: the joints open by {} m with explicit Euler, by {} m "
       "with RK4, by {} m with dop853.",
-      run.step, run.duration, program::figure(drifts.front().largest_constraint_error),
-      program::figure(drifts[3].largest_constraint_error),
-      program::figure(drifts[4].largest_constraint_error));
-  return program::drift_picture("drift", "How five methods let the joints open", caption, drifts,
-                                "m");
+      run.step, run.duration, pictures::figure(drifts.front().largest_constraint_error),
+      pictures::figure(drifts[3].largest_constraint_error),
+      pictures::figure(drifts[4].largest_constraint_error));
+  return pictures::drift_picture("drift", "How five methods let the joints open", caption, drifts,
+                                 "m");
 }
 
 Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
   const double step = 5.0 * run.step;
-  std::vector<program::Drift> drifts;
-  for (const measure::Method& method :
-       {measure::Method{},
-        measure::Method{integrators::Name::rk4, Stabilization::feedback, 625.0, 50.0},
-        measure::Method{integrators::Name::rk4, Stabilization::projection}})
+  std::vector<pictures::Drift> drifts;
+  for (const mechanics::Method& method :
+       {mechanics::Method{},
+        mechanics::Method{integrators::Scheme::rk4, Stabilization::feedback, 625.0, 50.0},
+        mechanics::Method{integrators::Scheme::rk4, Stabilization::projection}})
     drifts.push_back(drift(scene, method, run.duration, step));
   const std::string caption = fmt::format(
       "RK4 with a step of {:g} s: the joints open by {} m alone, {} m with feedback (ks = 625, kd "
       "= 50), rounding with "
       "projection.",
-      step, program::figure(drifts[0].largest_constraint_error),
-      program::figure(drifts[1].largest_constraint_error));
-  return program::drift_picture("stabilization", "Holding the joints closed", caption, drifts, "m");
+      step, pictures::figure(drifts[0].largest_constraint_error),
+      pictures::figure(drifts[1].largest_constraint_error));
+  return pictures::drift_picture("stabilization", "Holding the joints closed", caption, drifts,
+                                 "m");
 }
 
 Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
   Motion without(make_mechanism(scene, {}), {});
-  measure::Motion<WithoutJdotV> off(WithoutJdotV(make_mechanism(scene, {})), {});
-  const std::vector<program::Drift> drifts{
-      program::drift("without the velocity term", off, 0.5 * run.duration, run.step),
-      program::drift("with it", without, 0.5 * run.duration, run.step)};
+  mechanics::Motion<WithoutJdotV> off(WithoutJdotV(make_mechanism(scene, {})), {});
+  const std::vector<pictures::Drift> drifts{
+      pictures::drift("without the velocity term", off, 0.5 * run.duration, run.step),
+      pictures::drift("with it", without, 0.5 * run.duration, run.step)};
   const std::string caption = fmt::format(
       "After {:g} s the joints are open by {} m without the velocity term, by {} m with it.",
       0.5 * run.duration,
-      program::figure(drifts[0].constraint_error.empty() ? 0.0
-                                                         : drifts[0].constraint_error.back().y),
-      program::figure(drifts[1].constraint_error.empty() ? 0.0
-                                                         : drifts[1].constraint_error.back().y));
-  return program::drift_picture("turned_off", "The velocity term of every joint, left out", caption,
-                                drifts, "m");
+      pictures::figure(drifts[0].constraint_error.empty() ? 0.0
+                                                          : drifts[0].constraint_error.back().y),
+      pictures::figure(drifts[1].constraint_error.empty() ? 0.0
+                                                          : drifts[1].constraint_error.back().y));
+  return pictures::drift_picture("turned_off", "The velocity term of every joint, left out",
+                                 caption, drifts, "m");
 }
 
-class CrankStage final : public program::MechanismStage {
+class CrankStage final : public pictures::MechanismStage {
  public:
   CrankStage(const Scene& scene, const RunOptions& run, Bodies bodies = {})
       : MechanismStage(run, make_mechanism(scene, run.method, &bodies)),
@@ -395,14 +396,14 @@ class CrankStage final : public program::MechanismStage {
   std::string title() const override { return "Slider-crank"; }
   std::string caption() override {
     return fmt::format("t = {:.3f} s: θ = {} rad, {} rad/s, joints open by {} m ({}, step {:g} s).",
-                       time(), program::rounded(motion.q()[bodies_.wheel.column + 2], 3),
-                       program::rounded(motion.v()[bodies_.wheel.column + 2], 3),
-                       program::figure(motion.measures().constraint_error), run().method.label(),
+                       time(), pictures::rounded(motion.q()[bodies_.wheel.column + 2], 3),
+                       pictures::rounded(motion.v()[bodies_.wheel.column + 2], 3),
+                       pictures::figure(motion.measures().constraint_error), run().method.label(),
                        run().step);
   }
 
  private:
-  void draw_things(Canvas& canvas, const program::Show& show) override {
+  void draw_things(Canvas& canvas, const pictures::Show& show) override {
     const Instant at = now(scene_, motion, bodies_);
     draw_mechanism(canvas, scene_, at, show.forces);
     if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.4, draw::Dash::dotted);
@@ -436,7 +437,7 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
           turned_off_picture(scene, run)};
 }
 
-std::unique_ptr<program::Stage> stage(const Scene& scene, const RunOptions& run) {
+std::unique_ptr<pictures::Stage> stage(const Scene& scene, const RunOptions& run) {
   return std::make_unique<CrankStage>(scene, run);
 }
 

@@ -3,13 +3,14 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <type_traits>
 
-#include "joints/ground.hpp"
-#include "joints/prismatic.hpp"
-#include "joints/revolute.hpp"
-#include "program/mechanism.hpp"
-#include "program/options.hpp"
+#include "mechanics/joints/ground.hpp"
+#include "mechanics/joints/prismatic.hpp"
+#include "mechanics/joints/revolute.hpp"
+#include "mechanics/motion/mechanism.hpp"
 
 namespace slider_crank {
 
@@ -34,10 +35,9 @@ struct Scene {
   /// A rod shorter than the crank does not let the wheel turn.
   void check() const {
     if (rod < crank)
-      throw program::UsageError(
-          fmt::format("--rod {:g}: allowed is the crank, {:g} m, or more: a shorter rod does not "
-                      "let the wheel turn",
-                      rod, crank));
+      throw std::invalid_argument("rod " + mechanics::in_digits(rod, 6) +
+                                  ": allowed is the crank, " + mechanics::in_digits(crank, 6) +
+                                  " m, or more: a shorter rod does not let the wheel turn");
   }
 
   double wheel_inertia() const { return 0.5 * wheel_mass * wheel_radius * wheel_radius; }
@@ -71,12 +71,12 @@ struct Bodies {
 };
 
 /// The scene as a system: wheel, rod and slider, and the frame where it is simulated.
-inline program::Mechanism make_mechanism(const Scene& scene, const measure::Method& method,
-                                         Bodies* bodies = nullptr) {
+inline mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method& method,
+                                           Bodies* bodies = nullptr) {
   using Eigen::Vector2d;
   using Eigen::VectorXd;
   scene.check();
-  program::Mechanism mechanism(method);
+  mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
   const double theta = scene.theta0, phi = scene.rod_angle(theta), omega = scene.omega0;
   const Vector2d crank_pin = scene.crank * Vector2d(std::cos(theta), std::sin(theta));

@@ -5,40 +5,41 @@
 #include <numbers>
 
 #include "exact.hpp"
-#include "program/stability.hpp"
+#include "instruments/measure/cases.hpp"
 #include "scene.hpp"
 
 namespace slider_crank {
 
 /// The stiff and extreme cases of the slider-crank, each with the outcome that is expected of it.
-inline program::Stability stability() {
-  using integrators::Name;
-  using measure::Stabilization;
-  using program::accurate;
-  using program::degraded;
-  using program::drift;
-  using program::energy_error;
-  using program::refused;
-  using Motion = measure::Motion<program::Mechanism>;
+inline measure::Stability stability() {
+  using integrators::Scheme;
+  using measure::accurate;
+  using measure::degraded;
+  using measure::drift;
+  using measure::energy_error;
+  using measure::refused;
+  using mechanics::Stabilization;
+  using Motion = mechanics::Motion<mechanics::Mechanism>;
   constexpr double pi = std::numbers::pi;
 
   const auto of = [](const Scene& scene) -> measure::Start {
-    return [scene](const measure::Method& method) {
+    return [scene](const mechanics::Method& method) {
       return std::make_unique<Motion>(make_mechanism(scene, method), method);
     };
   };
-  const measure::Method rk4{Name::rk4}, projected{Name::rk4, Stabilization::projection},
-      feedback{Name::rk4, Stabilization::feedback, 625.0, 50.0},
-      midpoint{Name::implicit_midpoint, Stabilization::projection},
-      adaptive{Name::dop853, Stabilization::projection, 0.0, 0.0, 1e-8},
-      dop853{Name::dop853, Stabilization::projection};
-  const auto angle = [=](const Scene& scene, const measure::Method& method, long steps, double h) {
+  const mechanics::Method rk4{Scheme::rk4}, projected{Scheme::rk4, Stabilization::projection},
+      feedback{Scheme::rk4, Stabilization::feedback, 625.0, 50.0},
+      midpoint{Scheme::implicit_midpoint, Stabilization::projection},
+      adaptive{Scheme::dop853, Stabilization::projection, 0.0, 0.0, 1e-8},
+      dop853{Scheme::dop853, Stabilization::projection};
+  const auto angle = [=](const Scene& scene, const mechanics::Method& method, long steps,
+                         double h) {
     const auto columns = make_mechanism(scene, {}).columns();
-    return program::final_error(
-        of(scene), [=](const measure::Row& row) { return errors(scene, columns, row); }, 0, method,
-        steps, h);
+    return measure::final_error(
+        of(scene), [=](const mechanics::Row& row) { return errors(scene, columns, row); }, 0,
+        method, steps, h);
   };
-  const auto scene_in = [=](const program::Units& units) {
+  const auto scene_in = [=](const measure::Units& units) {
     const Scene here{.theta0 = 1.0, .omega0 = 3.0};
     Scene there = here;
     const double L = units.length, T = units.time, m = units.mass;
@@ -61,7 +62,7 @@ inline program::Stability stability() {
   Scene close = free;
   close.rod = 0.31;
 
-  program::Stability stability;
+  measure::Stability stability;
   // [cases]
   stability.cases = {
       {"rod 0.31 m, crank 0.30 m: 13 half turns", "wheel angle, rad", accurate(1e-6),
@@ -92,7 +93,7 @@ inline program::Stability stability() {
          }
          return worst;
        }},
-      {"rod shorter than the crank", "", refused("--rod 0.2"),
+      {"rod shorter than the crank", "", refused("rod 0.2"),
        energy_error(of({.rod = 0.2}), projected, 1, 1e-3)},
       {"crank at 1e4 rad/s, steps of 1e-6 s", "wheel angle, rad", accurate(1e-6),
        angle({.omega0 = 1e4}, projected, 5000, 1e-6)},
@@ -117,9 +118,9 @@ inline program::Stability stability() {
       {"wheel of 1e-8 kg: the motion", "wheel angle, rad", degraded(1e-6, 1e-3),
        angle({.wheel_mass = 2e-8}, projected, 2000, 1e-3)},
       {"feedback past its limit: h√ks = 10", "", refused("kinetic energy"),
-       energy_error(of({}), {Name::rk4, Stabilization::feedback, 1e8, 2e4}, 2000, 1e-3)},
+       energy_error(of({}), {Scheme::rk4, Stabilization::feedback, 1e8, 2e4}, 2000, 1e-3)},
       {"steps of 0.2 s with explicit_euler", "", refused("kinetic energy"),
-       energy_error(of({}), {Name::explicit_euler, Stabilization::projection}, 200, 0.2)},
+       energy_error(of({}), {Scheme::explicit_euler, Stabilization::projection}, 200, 0.2)},
   };
   // [cases]
   stability.add_units(scene_in, {rk4, projected, feedback, midpoint, adaptive}, 100, 1e-3);
@@ -127,14 +128,15 @@ inline program::Stability stability() {
   stability.add_feedback(of({}), {.step = 1e-4, .nudge = 1e-3});
   stability.map_remark =
       "The joints of a moving mechanism obey the same test equation as a plate at rest.";
-  stability.long_run = {.steps = 1000000,
-                        .step = 2e-3,
-                        .methods = {{{Name::semi_implicit_euler, Stabilization::projection}, false},
-                                    {midpoint, false},
-                                    {rk4, false},
-                                    {projected, false},
-                                    {dop853, false}},
-                        .start = of({.torque = 0.0, .omega0 = 6.0})};
+  stability.long_run = {
+      .steps = 1000000,
+      .step = 2e-3,
+      .methods = {{{Scheme::semi_implicit_euler, Stabilization::projection}, false},
+                  {midpoint, false},
+                  {rk4, false},
+                  {projected, false},
+                  {dop853, false}},
+      .start = of({.torque = 0.0, .omega0 = 6.0})};
   return stability;
 }
 

@@ -6,7 +6,7 @@
 #include "allocations.hpp"
 #include "catch.hpp"
 #include "exact.hpp"
-#include "measure/ladder.hpp"
+#include "instruments/measure/ladder.hpp"
 #include "orders.hpp"
 #include "picture_check.hpp"
 #include "pictures.hpp"
@@ -15,8 +15,8 @@
 #include "stability_check.hpp"
 #include "turned_off.hpp"
 
-using measure::Method;
-using measure::Stabilization;
+using mechanics::Method;
+using mechanics::Stabilization;
 using slider_crank::Bodies;
 using slider_crank::Exact;
 using slider_crank::make_mechanism;
@@ -25,7 +25,7 @@ using slider_crank::Scene;
 
 namespace {
 
-using Motion = measure::Motion<program::Mechanism>;
+using Motion = mechanics::Motion<mechanics::Mechanism>;
 
 Motion motion(const Scene& scene, const Method& method = {}) {
   return {make_mechanism(scene, method), method};
@@ -38,8 +38,8 @@ std::size_t column(const std::vector<std::string>& names, const std::string& nam
 }
 
 double value(Motion& motion, const std::string& name) {
-  const measure::Columns columns = motion.columns();
-  const measure::Row row = motion.row();
+  const mechanics::Columns columns = motion.columns();
+  const mechanics::Row row = motion.row();
   if (std::count(columns.state.begin(), columns.state.end(), name))
     return row.state[column(columns.state, name)];
   return row.reactions[column(columns.reactions, name)];
@@ -172,7 +172,7 @@ TEST_CASE("where an exact answer would take too long there is none, and no error
   CHECK_FALSE(Exact(wild).at(1e3).has_value());
   CHECK_FALSE(Exact({.torque = 0.0, .omega0 = 1e12}).at(1e3).has_value());
   Motion crank = motion(wild);
-  measure::Row row = crank.row();
+  mechanics::Row row = crank.row();
   CHECK(slider_crank::errors(wild, crank.columns(), row).size() == 3);
   row.t = 1e3;
   CHECK(slider_crank::errors(wild, crank.columns(), row).empty());
@@ -208,7 +208,7 @@ TEST_CASE("the wheel angle after 2 s is 14.08990344146206 rad") {
   CHECK(std::abs(value(crank, "wheel.theta") - 14.08990344146206) < 2e-9);
   CHECK(drift < 3e-9);
 
-  Motion projected = motion({}, {integrators::Name::rk4, Stabilization::projection});
+  Motion projected = motion({}, {integrators::Scheme::rk4, Stabilization::projection});
   drift = 0;
   for (int i = 0; i < 2000; ++i) {
     projected.advance(1, 1e-3);
@@ -247,7 +247,7 @@ TEST_CASE("at rest and in motion every joint force is that of Newton's and Euler
     for (const double frame : {0.0, 1.0}) {
       Scene one = scene;
       one.simulate_frame = frame;
-      Motion crank = motion(one, {integrators::Name::rk4, Stabilization::projection});
+      Motion crank = motion(one, {integrators::Scheme::rk4, Stabilization::projection});
       for (int i = 0; i < 4; ++i) {
         const Exact::State state{value(crank, "wheel.theta"), value(crank, "wheel.omega")};
         const slider_crank::Reactions truth = slider_crank::reactions(one, state);
@@ -272,7 +272,7 @@ TEST_CASE("at rest and in motion every joint force is that of Newton's and Euler
 
 TEST_CASE("the energy is what the torque has put in, and constant when it is off") {
   for (const Scene& scene : scenes) {
-    Motion crank = motion(scene, {integrators::Name::rk4, Stabilization::projection});
+    Motion crank = motion(scene, {integrators::Scheme::rk4, Stabilization::projection});
     const double start = crank.measures().energy, theta0 = value(crank, "wheel.theta");
     crank.advance(4000, 2.5e-4);
     const double gained = crank.measures().energy - start;
@@ -282,13 +282,13 @@ TEST_CASE("the energy is what the torque has put in, and constant when it is off
 }
 
 TEST_CASE("wheel angle, its rate and the joint forces converge with the order of the integrator") {
-  using enum integrators::Name;
+  using enum integrators::Scheme;
   const Scene scene;
   const auto columns = make_mechanism(scene, {}).columns();
   const measure::Start start = [&](const Method& method) {
     return std::make_unique<Motion>(motion(scene, method));
   };
-  const measure::Errors errors = [&](const measure::Row& row) {
+  const measure::Errors errors = [&](const mechanics::Row& row) {
     return slider_crank::errors(scene, columns, row);
   };
   CHECK(check_orders({.methods = {{explicit_euler},
@@ -309,7 +309,7 @@ TEST_CASE("wheel angle, its rate and the joint forces converge with the order of
 TEST_CASE("rod = crank: through the dead centre on the branch of its momentum, energy kept") {
   const Scene scene{
       .crank = 0.3, .rod = 0.3, .torque = 0.0, .theta0 = 0.2, .omega0 = 9.0, .gravity = 0.0};
-  Motion crank = motion(scene, {integrators::Name::rk4, Stabilization::projection});
+  Motion crank = motion(scene, {integrators::Scheme::rk4, Stabilization::projection});
   const double start = crank.measures().energy;
   crank.advance(7000, 1e-3);
   CHECK(value(crank, "wheel.theta") > 0.2 + 11 * std::numbers::pi);  // more than ten passages
@@ -323,7 +323,7 @@ TEST_CASE(
     "in the pose where rod and crank fold, the rank falls and the rows that depend are named") {
   // rod = crank, θ = π/2: the slider stands on the wheel's centre and could leave it two ways.
   const Scene scene{.crank = 0.3, .rod = 0.3, .theta0 = std::numbers::pi / 2};
-  program::Mechanism mechanism = make_mechanism(scene, {});
+  mechanics::Mechanism mechanism = make_mechanism(scene, {});
   Eigen::VectorXd q = mechanism.initial_position(), v = mechanism.initial_velocity(), a = q;
   mechanism.acceleration(0, q, v, a);
   CHECK(a.allFinite());
@@ -345,7 +345,7 @@ TEST_CASE("without J̇v the joints give way by exactly C̈ = J̇v") {
 TEST_CASE("a step allocates nothing") {
   for (const auto stabilization :
        {Stabilization::none, Stabilization::feedback, Stabilization::projection}) {
-    Motion crank = motion({}, {integrators::Name::rk4, stabilization, 100.0, 20.0});
+    Motion crank = motion({}, {integrators::Scheme::rk4, stabilization, 100.0, 20.0});
     crank.advance(1, 1e-3);
     const long before = allocations();
     crank.advance(100, 1e-3);
@@ -363,7 +363,7 @@ TEST_CASE("solution 1: the torque that holds the crank at rest balances the rod'
 
 TEST_CASE("solution 2: a second rail changes nothing but the rank") {
   Bodies bodies;
-  program::Mechanism twice = make_mechanism({}, {}, &bodies), once = make_mechanism({}, {});
+  mechanics::Mechanism twice = make_mechanism({}, {}, &bodies), once = make_mechanism({}, {});
   twice.system.add("second_rail", joints::Prismatic{.u1 = {0.0, 0.1}, .u2 = {0.0, 0.1}},
                    dynamics::System::world, bodies.slider);
   const Eigen::VectorXd q = once.initial_position(), v = once.initial_velocity();
@@ -399,7 +399,7 @@ TEST_CASE(
 }
 
 namespace {
-const program::RunOptions defaults{.duration = 2.0, .step = 0.001};
+const measure::RunOptions defaults{.duration = 2.0, .step = 0.001};
 }
 
 TEST_CASE("the pictures of the lesson are those that the program draws") {
@@ -410,11 +410,11 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
   for (const Scene& scene :
        {Scene{.torque = 0.0}, Scene{.rod = 0.3}, Scene{.crank = 1e-6, .rod = 1e-5},
         Scene{.crank = 40.0, .rod = 50.0, .gravity = 0.0}}) {
-    const program::RunOptions run{.duration = 0.05, .step = 0.001};
+    const measure::RunOptions run{.duration = 0.05, .step = 0.001};
     for (const auto& picture : slider_crank::pictures(scene, run))
       CHECK_NOTHROW(draw::render({.scale = 0.5}, picture.draw));
     CHECK_NOTHROW(draw::render({.width = 480, .height = 300},
-                               program::picture_at(slider_crank::stage(scene, run), 0.02).draw));
+                               pictures::picture_at(slider_crank::stage(scene, run), 0.02).draw));
   }
 }
 
@@ -422,12 +422,12 @@ TEST_CASE(
     "the crank runs for ten minutes, and under its torque until its speed outgrows the step") {
   constexpr double step = 0.001;
   const auto runs_to = [&](const Scene& scene, double duration) {
-    Motion crank = motion(scene, {integrators::Name::rk4, Stabilization::projection});
+    Motion crank = motion(scene, {integrators::Scheme::rk4, Stabilization::projection});
     const double balance = crank.measures().balance();
     double most = crank.measures().kinetic;
     while (crank.time() < duration) {
       crank.advance(10, step);
-      const measure::Measures now = crank.measures();
+      const mechanics::Measures now = crank.measures();
       most = std::max(most, now.kinetic);
       if (!(std::abs(now.balance() - balance) < 0.01 * most)) break;
     }

@@ -6,9 +6,9 @@ namespace slider_crank {
 
 /// The mechanism without J̇v: its joints are solved as if everything stood still, so they give way
 /// where bodies turn. Gravity and torque act as before, since neither depends on the velocities.
-class WithoutJdotV : public program::Mechanism {
+class WithoutJdotV : public mechanics::Mechanism {
  public:
-  explicit WithoutJdotV(program::Mechanism mechanism) : Mechanism(std::move(mechanism)) {
+  explicit WithoutJdotV(mechanics::Mechanism mechanism) : Mechanism(std::move(mechanism)) {
     at_rest_ = Vector::Zero(initial_velocity().size());
   }
 

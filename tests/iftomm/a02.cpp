@@ -1,27 +1,27 @@
 // IFToMM benchmark A02: N four-bar linkages in a row, through poses where J loses rank.
 
+#include "app/chapter.hpp"
 #include "exact.hpp"
-#include "program/chapter.hpp"
 
 int main(int argc, char** argv) {
   iftomm::FourBars scene;
-  program::Chapter chapter;
+  app::Chapter chapter;
   chapter.directory = "iftomm_a02";
   chapter.title = "IFToMM A02, N four-bar linkages";
   chapter.parameters = {
-      {"--loops", "", "N, the number of linkages", &scene.loops, {1, 1000}, program::whole},
+      {"--loops", "", "N, the number of linkages", &scene.loops, {1, 1000}, app::whole},
       {"--speed", "m/s", "of the tops at the start", &scene.speed, {1e-3, 1e3}},
-      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, program::not_negative},
+      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, app::not_negative},
   };
   chapter.defaults = {.duration = 10.0,
                       .step = 0.001,
-                      .method = {integrators::Name::rk4, measure::Stabilization::projection}};
-  chapter.start = [&scene](const measure::Method& method) {
-    return std::make_unique<measure::Motion<program::Mechanism>>(
+                      .method = {integrators::Scheme::rk4, mechanics::Stabilization::projection}};
+  chapter.start = [&scene](const mechanics::Method& method) {
+    return std::make_unique<mechanics::Motion<mechanics::Mechanism>>(
         iftomm::make_mechanism(scene, method), method);
   };
   chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}};
-  chapter.errors = [&scene](const measure::Row& row) { return iftomm::errors(scene, row); };
+  chapter.errors = [&scene](const mechanics::Row& row) { return iftomm::errors(scene, row); };
   chapter.ladder = {.methods = measure::methods_to_compare(100.0, 20.0),
                     .duration = 10.0,
                     .coarsest = 0.02,
@@ -29,5 +29,5 @@ int main(int argc, char** argv) {
   chapter.remark =
       "Digits go where a step evaluates close to a pose in which J loses rank: with shorter steps "
       "closer, and more often.";
-  return program::run_chapter(argc, argv, chapter);
+  return app::run_chapter(argc, argv, chapter);
 }

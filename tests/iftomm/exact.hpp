@@ -5,7 +5,7 @@
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 
-#include "measure/simulation.hpp"
+#include "mechanics/motion/motion.hpp"
 #include "scenes.hpp"
 
 namespace iftomm {
@@ -59,12 +59,12 @@ inline End exact(const FourBars& scene, double t) {
 }
 
 /// Distances of the pendulum's mass, or of the first upright's end, from the exact one [m], [m/s].
-inline std::vector<double> errors(const Pendulum& scene, const measure::Row& row) {
+inline std::vector<double> errors(const Pendulum& scene, const mechanics::Row& row) {
   const End truth = exact(scene, row.t);
   return {(Vector2d(row.state[0], row.state[1]) - truth.x).norm(),
           (Vector2d(row.state[2], row.state[3]) - truth.v).norm()};
 }
-inline std::vector<double> errors(const FourBars& scene, const measure::Row& row) {
+inline std::vector<double> errors(const FourBars& scene, const mechanics::Row& row) {
   const End truth = exact(scene, row.t);
   const Vector2d half =
       FourBars::length / 2 * Vector2d(std::cos(row.state[2]), std::sin(row.state[2]));

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <vector>
 
-#include "joints/distance.hpp"
-#include "joints/revolute.hpp"
-#include "program/mechanism.hpp"
+#include "mechanics/joints/distance.hpp"
+#include "mechanics/joints/revolute.hpp"
+#include "mechanics/motion/mechanism.hpp"
 
 namespace iftomm {
 
@@ -21,9 +21,9 @@ struct Pendulum {
   double mass = 1.0, length = 1.0, gravity = 9.81;  ///< [kg], [m], [m/s²]
 };
 
-inline program::Mechanism make_mechanism(const Pendulum& scene,
-                                         const measure::Method& method = {}) {
-  program::Mechanism mechanism(method);
+inline mechanics::Mechanism make_mechanism(const Pendulum& scene,
+                                           const mechanics::Method& method = {}) {
+  mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
   system.set_gravity({0.0, scene.gravity});
   const auto bob = system.add_particle("bob", scene.mass, {-scene.length, 0.0});
@@ -46,9 +46,9 @@ struct FourBars {
   int N() const { return static_cast<int>(loops); }
 };
 
-inline program::Mechanism make_mechanism(const FourBars& scene,
-                                         const measure::Method& method = {}) {
-  program::Mechanism mechanism(method);
+inline mechanics::Mechanism make_mechanism(const FourBars& scene,
+                                           const mechanics::Method& method = {}) {
+  mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
   system.set_gravity({0.0, scene.gravity});
   constexpr double l = FourBars::length, m = FourBars::mass, I = FourBars::inertia;

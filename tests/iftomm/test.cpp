@@ -1,15 +1,15 @@
 #include "catch.hpp"
 #include "exact.hpp"
-#include "measure/clock.hpp"
+#include "instruments/measure/clock.hpp"
 #include "orders.hpp"
 
 using iftomm::End;
 using iftomm::FourBars;
 using iftomm::Pendulum;
 using iftomm::Vector2d;
-using measure::Method;
-using measure::Stabilization;
-using Motion = measure::Motion<program::Mechanism>;
+using mechanics::Method;
+using mechanics::Stabilization;
+using Motion = mechanics::Motion<mechanics::Mechanism>;
 
 TEST_CASE("the exact motions fulfil their equations of motion and keep their energy") {
   const auto check = [](const auto& at, double w_squared) {
@@ -45,12 +45,12 @@ TEST_CASE("A02: the first top after 10 s is where an independent computation put
 }
 
 TEST_CASE("A01: the pendulum converges with the order of the integrator") {
-  using enum integrators::Name;
+  using enum integrators::Scheme;
   const Pendulum scene;
   const measure::Start start = [&](const Method& method) {
     return std::make_unique<Motion>(iftomm::make_mechanism(scene, method), method);
   };
-  const measure::Errors errors = [&](const measure::Row& row) {
+  const measure::Errors errors = [&](const mechanics::Row& row) {
     return iftomm::errors(scene, row);
   };
   CHECK(check_orders({.methods = {{explicit_euler},
@@ -68,11 +68,11 @@ TEST_CASE("A01: the pendulum converges with the order of the integrator") {
 
 TEST_CASE("A02, N = 2: 1e-8 m after 10 s, through every pose where J loses rank") {
   const FourBars scene;
-  const Method adaptive{integrators::Name::dop853, Stabilization::projection, 0, 0, 1e-9};
+  const Method adaptive{integrators::Scheme::dop853, Stabilization::projection, 0, 0, 1e-9};
   Motion motion(iftomm::make_mechanism(scene, adaptive), adaptive);
   motion.advance(10, 1.0);
   CHECK(iftomm::errors(scene, motion.row())[0] < 1e-8);
-  const Method fixed{integrators::Name::rk4, Stabilization::projection};
+  const Method fixed{integrators::Scheme::rk4, Stabilization::projection};
   Motion rk4(iftomm::make_mechanism(scene, fixed), fixed);
   rk4.advance(5000, 2e-3);
   CHECK(iftomm::errors(scene, rk4.row())[0] < 1e-8);
@@ -80,7 +80,7 @@ TEST_CASE("A02, N = 2: 1e-8 m after 10 s, through every pose where J loses rank"
 
 TEST_CASE("A02, N = 40: 20 s with the energy kept to 1e-8") {
   const FourBars scene{.loops = 40};
-  const Method method{integrators::Name::dop853, Stabilization::projection};
+  const Method method{integrators::Scheme::dop853, Stabilization::projection};
   Motion motion(iftomm::make_mechanism(scene, method), method);
   const double start = motion.measures().energy;
   for (int i = 0; i < 400; ++i) {
@@ -94,7 +94,7 @@ TEST_CASE("A02, N = 40: 20 s with the energy kept to 1e-8") {
 TEST_CASE(
     "A02: J loses rank where all links lie in one line, and the motion is that of one angle") {
   const FourBars scene;
-  program::Mechanism mechanism = iftomm::make_mechanism(scene);
+  mechanics::Mechanism mechanism = iftomm::make_mechanism(scene);
   Eigen::VectorXd q = mechanism.initial_position(), v = mechanism.initial_velocity(), a(15);
   mechanism.system.acceleration(0, q, v, a);
   const auto counts = mechanism.system.counts();

@@ -1,9 +1,9 @@
 #include "leave_it_out/dense_form.hpp"
 
 #include "07_slider_crank/scene.hpp"
-#include "joints/ground.hpp"
-#include "joints/prismatic.hpp"
-#include "joints/revolute.hpp"
+#include "mechanics/joints/ground.hpp"
+#include "mechanics/joints/prismatic.hpp"
+#include "mechanics/joints/revolute.hpp"
 
 namespace leave_it_out {
 namespace {

@@ -9,9 +9,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "instruments/files/files.hpp"
+#include "instruments/measure/ladder.hpp"
 #include "leave_it_out/rungs.hpp"
-#include "measure/ladder.hpp"
-#include "program/files.hpp"
 
 namespace {
 
@@ -55,11 +55,11 @@ int main(int argc, char** argv) try {
     fmt::print(stderr, "leave_it_out: {}; see --help\n", error.what());
     return 2;
   }
-  if (!out.empty()) program::make_folder(out);  // before the work, not after it
+  if (!out.empty()) files::make_folder(out);  // before the work, not after it
   const std::string ladder = machine() + ladder_table();
   fmt::print("{}", ladder);
   if (!out.empty()) {
-    program::write_file(out / "ladder.txt", ladder);
+    files::write_file(out / "ladder.txt", ladder);
     fmt::print("{}\n", (out / "ladder.txt").string());
   }
   if (std::fflush(stdout) != 0) throw std::runtime_error("cannot write standard output");

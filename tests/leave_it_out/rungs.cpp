@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "allocations.hpp"
-#include "integrators/rk4.hpp"
+#include "instruments/measure/clock.hpp"
 #include "leave_it_out/dense_form.hpp"
-#include "measure/clock.hpp"
+#include "mechanics/integrators/rk4.hpp"
 #include "peers/mechanism.hpp"
 
 namespace leave_it_out {
@@ -37,7 +37,7 @@ Rung make_rung(std::string name, std::shared_ptr<Form> form, const Vector& q0, c
 
 /// A state in which every body turns: in a chain at rest the motion dies out along it, down to
 /// numbers so small that a processor slows down on them.
-std::pair<Vector, Vector> start(program::Mechanism& mechanism) {
+std::pair<Vector, Vector> start(mechanics::Mechanism& mechanism) {
   Vector q = mechanism.initial_position(), v = mechanism.initial_velocity();
   for (Eigen::Index i = 0; 3 * i < q.size(); ++i) v[3 * i + 2] = std::sin(double(i) + 1.0);
   mechanism.project(q, v);
@@ -45,7 +45,7 @@ std::pair<Vector, Vector> start(program::Mechanism& mechanism) {
 }
 
 struct Blocks {
-  program::Mechanism mechanism;
+  mechanics::Mechanism mechanism;
   void acceleration(const Vector& q, const Vector& v, Vector& a) {
     mechanism.acceleration(0.0, q, v, a);
   }
@@ -53,7 +53,7 @@ struct Blocks {
 
 enum class Projected { no, yes };
 
-Rung blocks(std::string name, program::Mechanism mechanism, Projected projected = Projected::no) {
+Rung blocks(std::string name, mechanics::Mechanism mechanism, Projected projected = Projected::no) {
   auto form = std::make_shared<Blocks>(Blocks{std::move(mechanism)});
   const auto [q, v] = start(form->mechanism);
   const int rows = form->mechanism.system.rows();
@@ -64,7 +64,7 @@ Rung blocks(std::string name, program::Mechanism mechanism, Projected projected 
 
 Rung dense(std::string name, const peers::Model& model, const Kept& kept) {
   auto form = std::make_shared<DenseForm>(model, kept);
-  program::Mechanism mechanism = peers::make_mechanism(model);
+  mechanics::Mechanism mechanism = peers::make_mechanism(model);
   const auto [q, v] = start(mechanism);  // as the blocks do
   Vector q0 = form->initial_q(), v0 = Vector::Zero(q0.size());
   q0.tail(q.size()) = q;

@@ -13,7 +13,7 @@ TEST_CASE("every rung has the same equation: the solver's, to rounding") {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   for (const peers::Model& model : {peers::slider_crank(), peers::chain(1), peers::chain(10)}) {
-    program::Mechanism mechanism = peers::make_mechanism(model);
+    mechanics::Mechanism mechanism = peers::make_mechanism(model);
     Vector q = mechanism.initial_position(), v = mechanism.initial_velocity();
     const Eigen::Index n = q.size();
     for (Eigen::Index i = 0; i < n; ++i) v[i] = uniform(random);

@@ -1,6 +1,6 @@
 #include "engine.hpp"
-#include "integrators/rk4.hpp"
 #include "leave_it_out/dense_form.hpp"
+#include "mechanics/integrators/rk4.hpp"
 
 namespace peers {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "measure/clock.hpp"
+#include "instruments/measure/clock.hpp"
 #include "model.hpp"
 
 namespace peers {

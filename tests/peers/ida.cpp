@@ -12,8 +12,8 @@
 #include <cstdlib>
 
 #include "engine.hpp"
-#include "joints/prismatic.hpp"
-#include "joints/revolute.hpp"
+#include "mechanics/joints/prismatic.hpp"
+#include "mechanics/joints/revolute.hpp"
 #include "mechanism.hpp"
 
 namespace peers {
@@ -213,7 +213,7 @@ class IdaRun final : public Run {
 };
 
 void IdaRun::set_start() {
-  program::Mechanism mechanism = make_mechanism(model_);
+  mechanics::Mechanism mechanism = make_mechanism(model_);
   const Eigen::VectorXd q = mechanism.initial_position(), v = mechanism.initial_velocity();
   Eigen::VectorXd a = v;
   mechanism.acceleration(0.0, q, v, a);

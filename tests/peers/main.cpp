@@ -8,14 +8,14 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "draw/image.hpp"
-#include "draw/offscreen.hpp"
+#include "app/options.hpp"
+#include "instruments/draw/image.hpp"
+#include "instruments/draw/offscreen.hpp"
+#include "instruments/files/files.hpp"
+#include "instruments/files/progress.hpp"
+#include "instruments/measure/ladder.hpp"
 #include "measure.hpp"
-#include "measure/ladder.hpp"
 #include "pictures.hpp"
-#include "program/files.hpp"
-#include "program/options.hpp"
-#include "program/progress.hpp"
 #include "report.hpp"
 
 namespace {
@@ -38,7 +38,7 @@ void compare(bool quick, const std::filesystem::path& out) {
   const peers::Limits limits{.run_seconds = quick ? 0.04 : 2.0, .first_seconds = quick ? 0.3 : 6.0};
   peers::Report report{header(engines), {}, {}};
   {
-    program::Progress progress;
+    files::Progress progress;
     const std::vector<int> lengths{1, 10, 100, 1000};
     const double all = 1.0 + static_cast<double>(lengths.size());
     const auto part = [&](double before) {
@@ -65,7 +65,7 @@ void compare(bool quick, const std::filesystem::path& out) {
                      draw::encode_png(draw::render({}, slider_crank_picture(report).draw)));
   files.emplace_back("chain.png", draw::encode_png(draw::render({}, chain_picture(report).draw)));
   for (const auto& [name, content] : files) {
-    program::write_file(out / name, content);
+    files::write_file(out / name, content);
     fmt::print("{}\n", (out / name).string());
   }
 }
@@ -89,9 +89,9 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     try {
-      program::make_folder(out);
+      files::make_folder(out);
     } catch (const std::runtime_error& error) {
-      throw program::UsageError(
+      throw app::UsageError(
           fmt::format("--out {}: {}; allowed is a folder that can be written", out, error.what()));
     }
     compare(quick, out);
@@ -99,7 +99,7 @@ int main(int argc, char** argv) {
     fmt::print("{}", app.help());
   } catch (const CLI::ParseError& error) {
     return fail(2, fmt::format("{}; see --help", error.what()));
-  } catch (const program::UsageError& error) {
+  } catch (const app::UsageError& error) {
     return fail(2, error.what());
   } catch (const std::exception& error) {
     return fail(1, error.what());

@@ -13,7 +13,7 @@
 #include <map>
 #include <memory>
 
-#include "measure/clock.hpp"
+#include "instruments/measure/clock.hpp"
 
 namespace peers {
 namespace {

@@ -7,7 +7,8 @@
 namespace peers {
 
 /// The model as the chapter has it. Its joints stand in the model's order: the pins, then the rail.
-inline program::Mechanism make_mechanism(const Model& model, const measure::Method& method = {}) {
+inline mechanics::Mechanism make_mechanism(const Model& model,
+                                           const mechanics::Method& method = {}) {
   if (model.rail) return ::slider_crank::make_mechanism({}, method);
   return revolute::make_mechanism({.links = double(model.size())}, method);
 }

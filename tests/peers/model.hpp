@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "dynamics/things.hpp"
+#include "mechanics/dynamics/things.hpp"
 
 // What is simulated, told once for all engines. Conventions and units are the tutorial's.
 namespace peers {

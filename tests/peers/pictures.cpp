@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "draw/page.hpp"
+#include "instruments/draw/page.hpp"
 
 namespace peers {
 namespace {
@@ -34,7 +34,7 @@ std::vector<Point> frontier(const std::vector<Row>& rows, const std::string& eng
 
 }  // namespace
 
-program::Picture slider_crank_picture(const Report& report) {
+pictures::Picture slider_crank_picture(const Report& report) {
   const std::vector<Row>& rows = report.slider_crank;
   const std::string caption =
       "Large marks: each engine as it comes. A curve joins the runs that no cheaper run of the "
@@ -63,7 +63,7 @@ program::Picture slider_crank_picture(const Report& report) {
           }};
 }
 
-program::Picture chain_picture(const Report& report) {
+pictures::Picture chain_picture(const Report& report) {
   const std::vector<Row>& rows = report.chain;
   const std::string caption =
       "Of all settings tried the cheapest. What these steps are worth is in the table: the error "

@@ -7,7 +7,7 @@ namespace {
 class ThisSolver final : public Run {
  public:
   /// `rung` is the step, or, where the method has a tolerance, that.
-  ThisSolver(const Model& model, const measure::Method& method, double rung)
+  ThisSolver(const Model& model, const mechanics::Method& method, double rung)
       : motion_(make_mechanism(model, method), method),
         parts_(method.tolerance > 0 ? 1 : whole_steps(model, rung)),
         part_(model.duration / static_cast<double>(parts_)) {
@@ -33,7 +33,7 @@ class ThisSolver final : public Run {
   }
 
  private:
-  measure::Motion<program::Mechanism> motion_;
+  mechanics::Motion<mechanics::Mechanism> motion_;
   long parts_;   ///< of the run, each a step unless the method chooses its steps
   double part_;  ///< [s]
 };
@@ -41,10 +41,10 @@ class ThisSolver final : public Run {
 }  // namespace
 
 Engine this_solver() {
-  using enum integrators::Name;
-  using enum measure::Stabilization;
+  using enum integrators::Scheme;
+  using enum mechanics::Stabilization;
   Engine engine{ours, "", {}};
-  const auto add = [&](const measure::Method& method, double first, bool is_default = false) {
+  const auto add = [&](const mechanics::Method& method, double first, bool is_default = false) {
     const bool adaptive = method.tolerance > 0;
     engine.settings.push_back({.name = method.label(),
                                .rung = adaptive ? Rung::accuracy : Rung::step,
@@ -52,7 +52,7 @@ Engine this_solver() {
                                .is_default = is_default,
                                .in_chain = true,
                                .start = [=](const Model& model, double rung) {
-                                 measure::Method chosen = method;
+                                 mechanics::Method chosen = method;
                                  if (adaptive) chosen.tolerance = rung;
                                  return std::make_unique<ThisSolver>(model, chosen, rung);
                                }});
@@ -63,8 +63,8 @@ Engine this_solver() {
     add({.integrator = dop853, .stabilization = stabilization}, 0.25);
     add({.integrator = dop853,
          .stabilization = stabilization,
-         .tolerance = measure::coarsest_tolerance},
-        measure::coarsest_tolerance);
+         .tolerance = mechanics::coarsest_tolerance},
+        mechanics::coarsest_tolerance);
   }
   return engine;
 }

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace app {
+
+/// An argument that cannot be used: exit status 2. The message is one line that names the option,
+/// its value and what is allowed.
+struct UsageError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// The values that a number may take.
+struct Range {
+  double low = -1e12, high = 1e12;
+
+  bool holds(double value) const { return value >= low && value <= high; }
+  std::string text() const;
+};
+
+inline constexpr Range any{};  ///< of either sign, |value| ≤ 1e12
+inline constexpr Range positive{1e-12, 1e12};
+inline constexpr Range not_negative{0.0, 1e12};
+
+/// What a number that the reader may choose can be besides.
+enum Trait : unsigned {
+  whole = 1,       ///< only whole numbers
+  acts = 2,        ///< changes the motion, neither the start nor a shape: it may while all moves
+  switchable = 4,  ///< 0 switches it off
+};
+
+/// One number that the reader may choose. It stays where the scene keeps it.
+struct Parameter {
+  std::string option;  ///< "--x0"
+  std::string unit;    ///< "m"; empty for a pure number
+  std::string help;
+  double* value;  ///< holds the default
+  Range allowed;
+  unsigned traits = 0;  ///< of those above, added up
+
+  bool is(Trait trait) const { return (traits & trait) != 0; }
+};
+
+/// Reads a number; throws UsageError naming the option where it is none or not allowed.
+double number(const std::string& option, const std::string& text, const Range& allowed,
+              bool only_whole = false);
+
+}  // namespace app

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "instruments/measure/stability_map.hpp"
+
+namespace measure {
+
+/// What a case is expected to end in, written beside the case.
+struct Expected {
+  enum class Outcome { accurate, degraded, refused } outcome;
+  double least = 0.0, most = 0.0;  ///< the figure is in least … most; degraded: and no better
+  std::string message = {};        ///< a part of what a refusal says
+};
+inline Expected accurate(double most) { return {Expected::Outcome::accurate, 0.0, most}; }
+inline Expected degraded(double least, double most) {
+  return {Expected::Outcome::degraded, least, most};
+}
+inline Expected refused(std::string message) {
+  return {Expected::Outcome::refused, 0.0, 0.0, std::move(message)};
+}
+
+/// A stiff or extreme case of a scene.
+struct Case {
+  std::string name;    ///< "rod = crank, ten dead centres"
+  std::string figure;  ///< what `run` returns, with its unit: "energy error, relative"
+  Expected expected;
+  std::function<double()> run;  ///< what it throws is a refusal
+};
+
+/// How a case ended.
+struct CaseResult {
+  std::string name, figure, expected, found;
+  bool as_expected;
+};
+
+/// A run of very many steps, for each of some methods.
+struct LongRun {
+  long steps = 0;  ///< 0: the chapter has none
+  double step = 0.0;
+  std::vector<measure::LongMethod> methods = {};
+  measure::Start start = {};
+};
+
+/// The same scene in two systems of units: the second's are so many of the first's.
+struct Units {
+  double length, time, mass;
+};
+
+/// What `stability` of a chapter tries.
+struct Stability {
+  std::vector<Case> cases;
+  std::vector<measure::Plan> plans;
+  std::string map_remark;  ///< said under the map: what it teaches
+  LongRun long_run = {};
+
+  /// Feedback in every integrator: its limit at critical damping, and the map of its gains.
+  void add_feedback(const measure::Start& start, const measure::FeedbackTrial& trial);
+
+  /// A case for each method: the scene, given in any units, moves alike in µm and 1e-8 kg, and in
+  /// Mm and ms, over `steps` steps of h [s].
+  void add_units(const std::function<measure::Start(const Units&)>& scene_in,
+                 const std::vector<mechanics::Method>& methods, long steps, double h);
+};
+
+/// Runs one case.
+CaseResult judge(const Case& trial);
+/// How a map agrees with theory, as a case like the others.
+CaseResult judge(const measure::Map& map);
+
+/// What cases measure over `steps` steps of h [s]: the largest |C|; the largest energy error, as a
+/// part of the kinetic energy; the error of a quantity against the exact answer at the end.
+std::function<double()> drift(const measure::Start& start, const mechanics::Method& method,
+                              long steps, double h);
+std::function<double()> energy_error(const measure::Start& start, const mechanics::Method& method,
+                                     long steps, double h);
+std::function<double()> final_error(const measure::Start& start, const measure::Errors& errors,
+                                    std::size_t quantity, const mechanics::Method& method,
+                                    long steps, double h);
+
+std::string table(const std::vector<CaseResult>& verdicts);
+std::string table(const std::vector<measure::LongCurve>& curves);
+
+/// Values with a header, separated by semicolons; and back, for the documents.
+std::string csv(const std::vector<CaseResult>& verdicts);
+std::string csv(const std::vector<measure::Map>& maps);
+std::string csv(const std::vector<measure::LongCurve>& curves);
+std::vector<CaseResult> read_verdicts(const std::filesystem::path& path);
+std::vector<measure::LongCurve> read_curves(const std::filesystem::path& path);
+
+}  // namespace measure

@@ -1,0 +1,196 @@
+#include "instruments/pictures/pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "instruments/draw/page.hpp"
+
+namespace pictures {
+
+std::string figure(double value, int digits) {
+  std::string scientific = fmt::format("{:.{}e}", value, digits - 1);
+  const std::size_t e = scientific.find('e');
+  if (e == std::string::npos) return "too much";  // not finite
+  const int exponent = std::stoi(scientific.substr(e + 1));
+  if (value == 0.0) return "0";
+  if (exponent >= -3 && exponent < 5)
+    return fmt::format("{:.{}f}", std::stod(scientific), std::max(0, digits - 1 - exponent));
+  static const char* const superscripts[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string power = exponent < 0 ? "⁻" : "";
+  for (const char digit : std::to_string(std::abs(exponent))) power += superscripts[digit - '0'];
+  return scientific.substr(0, e) + "·10" + power;
+}
+
+std::string rounded(double value, int decimals) {
+  const double size = std::abs(value);
+  const bool plain = value == 0.0 || (size >= 0.5 * std::pow(10.0, -decimals) && size < 1e4);
+  return plain ? fmt::format("{:.{}f}", value, decimals) : figure(value, 3);
+}
+
+namespace {
+
+/// An integrator has a colour, a stabilization a dash.
+struct Look {
+  std::size_t color;
+  draw::Dash dash;
+};
+Look look(const std::string& method) {
+  const auto& integrators = integrators::schemes;
+  Look look{0, draw::Dash::solid};
+  while (look.color < integrators.size() && !method.starts_with(integrators[look.color].text))
+    ++look.color;
+  if (method.find("adaptive") != std::string::npos) ++look.color;
+  if (method.ends_with("feedback")) look.dash = draw::Dash::dotted;
+  if (method.ends_with("projection")) look.dash = draw::Dash::dashed;
+  return look;
+}
+
+}  // namespace
+
+Picture error_picture(const measure::Report& report) {
+  const measure::Quantity& quantity = report.quantities.front();
+  draw::Plot plot;
+  plot.x = {.label = "processor time [ms]", .log = true};
+  plot.y = {.label = fmt::format("error of {} after {:g} s [{}]", quantity.name, report.duration,
+                                 quantity.unit),
+            .log = true};
+  std::vector<std::size_t> colors;
+  std::string cheapest;
+  double least = 1e300;
+  for (const std::string& method : measure::methods(report)) {
+    draw::Curve curve;
+    curve.label = method == "rk4" ? "rk4 (the article's choice)" : method;
+    curve.markers = true;
+    curve.dash = look(method).dash;
+    colors.push_back(look(method).color);
+    curve.thickness = method == "rk4" ? 2.6 : 1.6;
+    draw::Slope slope;
+    std::vector<draw::Point> points;
+    for (const measure::Rung& rung : report.rungs) {
+      if (rung.method != method) continue;
+      if (rung.errors.empty() || rung.errors[0] <= 0.0) {  // a gap in the line
+        curve.points.push_back({std::nan(""), std::nan("")});
+        continue;
+      }
+      points.push_back({1e3 * rung.seconds, rung.errors[0]});
+      curve.points.push_back({1e3 * rung.seconds, rung.errors[0]});
+      slope.order = -rung.order;  // time grows as 1/h
+      slope.label = fmt::format("order {}", rung.order);
+    }
+    // A reference line for every order once, a little below the first curve that has it.
+    const bool known = std::any_of(plot.slopes.begin(), plot.slopes.end(),
+                                   [&](const draw::Slope& s) { return s.order == slope.order; });
+    if (!known && points.size() > 2) {
+      const auto [least_error, most_error] = std::minmax_element(
+          points.begin(), points.end(), [](auto& a, auto& b) { return a.y < b.y; });
+      const double half_way = std::sqrt(least_error->y * most_error->y);
+      const draw::Point middle =
+          *std::min_element(points.begin(), points.end(), [&](auto& a, auto& b) {
+            return std::abs(std::log(a.y / half_way)) < std::abs(std::log(b.y / half_way));
+          });
+      slope.through = {middle.x, 0.2 * middle.y};
+      plot.slopes.push_back(slope);
+    }
+    plot.curves.push_back(curve);
+    const double seconds = measure::time_to_reach(report, method, 1e-6);
+    if (seconds < least) {
+      least = seconds;
+      cheapest = method;
+    }
+  }
+  const std::string price =
+      cheapest.empty() ? fmt::format("No method comes below 10⁻⁶ {} to stay.", quantity.unit)
+                       : fmt::format("An error of 10⁻⁶ {} costs least with {}: {} ms.",
+                                     quantity.unit, cheapest, figure(1e3 * least));
+  const std::string caption = price + " " + report.remark;
+  return {"error_vs_time", [=](draw::Pen& pen) {
+            draw::Plot themed = plot;
+            for (std::size_t i = 0; i < colors.size(); ++i)
+              themed.curves[i].color = pen.theme().series[colors[i]];
+            draw::draw_plot(pen, draw::page(pen, "Error against run time", caption), themed);
+          }};
+}
+
+Drift drift(std::string label, mechanics::Simulation& simulation, double duration, double step) {
+  constexpr long windows = 300, least_steps = 8;  // in a window, so that it holds more than zeros
+  Drift result;
+  result.label = std::move(label);
+  simulation.restart();
+  const double initial_balance = simulation.measures().balance();
+  const long steps = std::lround(duration / step);
+  const long window = std::max(std::min(least_steps, std::max(1L, steps / 20)), steps / windows);
+  draw::Point constraint_error, energy_error;
+  try {
+    for (long done = 1; done <= steps; ++done) {
+      simulation.advance(1, step);
+      const mechanics::Measures now = simulation.measures();
+      if (!now.finite()) break;
+      constraint_error = {simulation.time(), std::max(constraint_error.y, now.constraint_error)};
+      energy_error = {simulation.time(),
+                      std::max(energy_error.y, std::abs(now.balance() - initial_balance))};
+      if (done % window != 0 && done != steps) continue;
+      result.constraint_error.push_back(constraint_error);
+      result.energy_error.push_back(energy_error);
+      result.largest_constraint_error =
+          std::max(result.largest_constraint_error, constraint_error.y);
+      result.largest_energy_error = std::max(result.largest_energy_error, energy_error.y);
+      constraint_error.y = energy_error.y = 0.0;
+    }
+  } catch (const mechanics::Diverged&) {  // the curve ends where the run did
+  }
+  return result;
+}
+
+Picture drift_picture(std::string name, const std::string& title, const std::string& caption,
+                      const std::vector<Drift>& drifts, const std::string& constraint_unit,
+                      std::vector<draw::Dash> dashes, std::vector<int> colors) {
+  return {std::move(name), [=](draw::Pen& pen) {
+            draw::Plot left, right;
+            left.title = "off the constraint";
+            double duration = 0.0;
+            for (const Drift& drift : drifts)
+              if (!drift.energy_error.empty())
+                duration = std::max(duration, drift.energy_error.back().x);
+            left.x =
+                right.x = {.label = "time [s]", .min = 0.0, .max = duration > 0.0 ? duration : 1.0};
+            left.y = {.label = fmt::format("|C| [{}]", constraint_unit), .log = true};
+            right.title = "off the energy balance";
+            right.y = {.label = "change of the energy balance [J]", .log = true};
+            left.legend = draw::Legend::none;
+            right.legend = draw::Legend::none;
+            // One legend for both plots, in a row above them.
+            const draw::Rect content = draw::page(pen, title, caption);
+            const auto color = [&](std::size_t i) {
+              const auto index = i < colors.size() ? static_cast<std::size_t>(colors[i]) : i;
+              return pen.theme().series[index % pen.theme().series.size()];
+            };
+            const auto dash = [&](std::size_t i) {
+              return i < dashes.size() ? dashes[i] : draw::Dash::solid;
+            };
+            double x = content.left, y = content.top + 10.0;
+            for (std::size_t i = 0; i < drifts.size(); ++i) {
+              const double width = pen.text_width(drifts[i].label) + 58.0;
+              if (x + width > content.right() && x > content.left) {
+                x = content.left;
+                y += 20.0;
+              }
+              pen.line({x, y}, {x + 28.0, y}, color(i), 2.2, dash(i));
+              pen.text({x + 34.0, y}, drifts[i].label, pen.theme().ink);
+              x += width;
+              const draw::Curve curve{.color = color(i), .dash = dash(i), .thickness = 2.0};
+              left.curves.push_back(curve);
+              left.curves.back().points = drifts[i].constraint_error;
+              right.curves.push_back(curve);
+              right.curves.back().points = drifts[i].energy_error;
+            }
+            const double top = y + 18.0, gap = 24.0, width = 0.5 * (content.width - gap);
+            draw::draw_plot(pen, {content.left, top, width, content.bottom() - top}, left);
+            draw::draw_plot(pen, {content.left + width + gap, top, width, content.bottom() - top},
+                            right);
+          }};
+}
+
+}  // namespace pictures

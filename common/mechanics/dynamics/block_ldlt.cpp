@@ -1,0 +1,209 @@
+#include "mechanics/dynamics/block_ldlt.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+namespace dynamics {
+
+void BlockLdlt::analyse(const std::vector<int>& size,
+                        const std::vector<std::pair<int, int>>& edges) {
+  size_ = in_common(size);
+  const int n = static_cast<int>(size.size());
+  std::vector<std::set<int>> neighbours(size.size());
+  for (const auto& [i, j] : edges) {
+    neighbours[index(i)].insert(j);
+    neighbours[index(j)].insert(i);
+  }
+
+  // Eliminate the node of fewest neighbours, join those to each other, and so on. Of equal ones,
+  // take the one whose neighbours went longest ago: a chain is eaten from both ends in turn, and
+  // the processor works on both at once, since neither waits for the other.
+  std::vector<int> order, remaining(size.size()), touched(size.size());
+  position_.assign(size.size(), 0);
+  for (int i = 0; i < n; ++i) remaining[index(i)] = i;
+  while (!remaining.empty()) {
+    const auto next = std::min_element(remaining.begin(), remaining.end(), [&](int i, int j) {
+      return std::pair(neighbours[index(i)].size(), touched[index(i)]) <
+             std::pair(neighbours[index(j)].size(), touched[index(j)]);
+    });
+    const int i = *next;
+    remaining.erase(next);
+    position_[index(i)] = static_cast<int>(order.size());
+    order.push_back(i);
+    for (int j : neighbours[index(i)]) {
+      touched[index(j)] = static_cast<int>(order.size());
+      neighbours[index(j)].erase(i);
+      for (int k : neighbours[index(i)])
+        if (k != j) neighbours[index(j)].insert(k);
+    }
+  }
+
+  // What is left of a node's neighbours are those eliminated after it. Give each block its place.
+  std::vector<int> row(size.size());
+  for (int i = 1; i < n; ++i) row[index(i)] = row[index(i - 1)] + size[index(i - 1)];
+  nodes_.clear();
+  below_.clear();
+  int length = 0;
+  const auto place = [&](int i, int j) {
+    return std::exchange(length, length + size[index(i)] * size[index(j)]);
+  };
+  for (int i : order) {
+    Node node{i, size[index(i)], row[index(i)], place(i, i), static_cast<int>(below_.size()), 0};
+    for (int j : neighbours[index(i)])
+      below_.push_back({j, size[index(j)], row[index(j)], place(j, i)});
+    node.below_end = static_cast<int>(below_.size());
+    std::sort(below_.begin() + node.below_begin, below_.end(),
+              [&](const Below& a, const Below& b) { return after(b.node, a.node); });
+    nodes_.push_back(node);
+  }
+  updates_.clear();
+  for (const Node& node : nodes_)
+    for (int j = node.below_begin; j < node.below_end; ++j)
+      for (int k = node.below_begin; k <= j; ++k)
+        updates_.push_back(block(below_[index(j)].node, below_[index(k)].node));
+  const int rows = n == 0 ? 0 : row.back() + size.back();
+  K_.setZero(length);
+  L_.setZero(length);
+  diagonal_.setZero(rows);
+  inverse_pivot_.setZero(rows);
+}
+
+int BlockLdlt::block(int i, int j) const {
+  const Node& node = nodes_[index(position_[index(j)])];
+  if (i == j) return node.block;
+  const auto begin = below_.begin() + node.below_begin, end = below_.begin() + node.below_end;
+  return std::find_if(begin, end, [&](const Below& b) { return b.node == i; })->block;
+}
+
+namespace {
+
+/// Turns A, of which the lower triangle is given, into L of A = L D L^T. A row whose pivot is not
+/// above `smallest` depends on those before it: its 1 / D is 0, and so is its column of L.
+/// Inlined by force: all else waits for these numbers, and a call would pass them through memory.
+template <int r>
+[[gnu::always_inline]] inline void factor_node(double (&A)[r][r], const double (&smallest)[r],
+                                               double (&inverse_D)[r]) {
+  if constexpr (r == 2) {  // most joints, and most of the time: two divisions at once
+    const double a = A[0][0], b = A[1][0], det = a * A[1][1] - b * b;
+    if (a > smallest[0] && det > smallest[1] * a) {
+      inverse_D[0] = 1 / a;
+      inverse_D[1] = a / det;
+      A[1][0] = b * inverse_D[0];
+      return;
+    }
+  }
+  for (int k = 0; k < r; ++k) {
+    inverse_D[k] = A[k][k] > smallest[k] ? 1 / A[k][k] : 0;
+    for (int i = k + 1; i < r; ++i) {
+      const double L_ik = A[i][k] * inverse_D[k];
+      for (int j = k + 1; j <= i; ++j) A[i][j] -= L_ik * A[j][k];
+    }
+    for (int i = k + 1; i < r; ++i) A[i][k] *= inverse_D[k];
+  }
+}
+
+}  // namespace
+
+void BlockLdlt::factor(double damping) {
+  alike(size_, [&](auto all) { factor_blocks<all>(damping); });
+}
+
+void BlockLdlt::solve(Eigen::VectorXd& b) const {
+  alike(size_, [&](auto all) { solve_blocks<all>(b.data()); });
+}
+
+template <int all>
+void BlockLdlt::factor_blocks(double damping) {
+  L_ = K_;
+  double* const K = L_.data();  // a copy of K, which turns into L block by block
+  // The rounding that gathers in a pivot grows with the number of rows.
+  const double rounding =
+      8 * std::numeric_limits<double>::epsilon() * static_cast<double>(diagonal_.size());
+  const Below* const below = below_.data();
+  const int* update = updates_.data();
+  for (const Node& node : nodes_)
+    fixed<all>(node.size, [&](auto size) {
+      constexpr int r = size;
+      double L[r][r], inverse_D[r], smallest[r];
+      for (int i = 0; i < r; ++i)
+        for (int k = 0; k <= i; ++k) L[i][k] = K[node.block + i + k * r];
+      for (int k = 0; k < r; ++k) {
+        const double K_kk = K_[node.block + k * (r + 1)];
+        diagonal_[node.row + k] = K_kk;
+        smallest[k] = rounding * K_kk;
+        L[k][k] += damping * K_kk;
+      }
+      factor_node<r>(L, smallest, inverse_D);
+      for (int k = 0; k < r; ++k) {
+        inverse_pivot_[node.row + k] = inverse_D[k];
+        for (int i = k + 1; i < r; ++i) K[node.block + i + k * r] = L[i][k];
+      }
+
+      for (int j = node.below_begin; j < node.below_end; ++j)
+        fixed<all>(below[j].size, [&](auto s) {
+          // A block below it: K_ji = X L^T, X = L_ji D. What remains: K_jk -= X L_ki^T.
+          Eigen::Matrix<double, s, r> X = ConstBlock<s, r>(K + below[j].block), L_ji;
+          for (int k = 0; k < r; ++k) {
+            for (int m = 0; m < k; ++m) X.col(k) -= L[k][m] * X.col(m);
+            L_ji.col(k) = inverse_D[k] * X.col(k);
+          }
+          Block<s, r>(K + below[j].block) = L_ji;
+          for (int k = node.below_begin; k < j; ++k)
+            fixed<all>(below[k].size, [&](auto t) {
+              const ConstBlock<t, r> L_ki(K + below[k].block);
+              Block<s, t>(K + *update++) -= X.lazyProduct(L_ki.transpose());
+            });
+          Block<s, s>(K + *update++) -= X.lazyProduct(L_ji.transpose());
+        });
+    });
+}
+
+template <int all>
+void BlockLdlt::solve_blocks(double* x) const {
+  const double* const K = L_.data();
+  const Below* const below = below_.data();
+  // L y = b, from the first node to the last, and z = D^-1 y.
+  for (const Node& node : nodes_)
+    fixed<all>(node.size, [&](auto size) {
+      constexpr int r = size;
+      double y[r];
+      for (int k = 0; k < r; ++k) {
+        y[k] = x[node.row + k];
+        for (int i = 0; i < k; ++i) y[k] -= K[node.block + k + i * r] * y[i];
+      }
+      for (int j = node.below_begin; j < node.below_end; ++j)
+        fixed<all>(below[j].size, [&](auto s) {
+          const ConstBlock<s, r> L(K + below[j].block);
+          Eigen::Vector<double, s> y_j = ConstBlock<s, 1>(x + below[j].row);
+          for (int k = 0; k < r; ++k) y_j -= y[k] * L.col(k);
+          Block<s, 1>(x + below[j].row) = y_j;
+        });
+      for (int k = 0; k < r; ++k) x[node.row + k] = y[k] * inverse_pivot_[node.row + k];
+    });
+  // L^T x = z, from the last node to the first.
+  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node)
+    fixed<all>(node->size, [&](auto size) {
+      constexpr int r = size;
+      double z[r];
+      for (int k = 0; k < r; ++k) z[k] = x[node->row + k];
+      for (int j = node->below_begin; j < node->below_end; ++j)
+        fixed<all>(below[j].size, [&](auto s) {
+          const double* const L = K + below[j].block;
+          for (int k = 0; k < r; ++k)
+            for (int i = 0; i < s; ++i) z[k] -= L[i + k * s] * x[below[j].row + i];
+        });
+      for (int k = r - 1; k >= 0; --k)
+        for (int i = k + 1; i < r; ++i) z[k] -= K[node->block + i + k * r] * z[i];
+      for (int k = 0; k < r; ++k) x[node->row + k] = z[k];
+    });
+}
+
+std::size_t BlockLdlt::bytes() const {
+  return sizeof(double) * index(static_cast<int>(K_.size() + L_.size() + diagonal_.size() +
+                                                 inverse_pivot_.size())) +
+         sizeof(Node) * nodes_.size() + sizeof(Below) * below_.size() +
+         sizeof(int) * (position_.size() + updates_.size());
+}
+
+}  // namespace dynamics
