@@ -76,6 +76,6 @@ TEST_CASE("what is left out is left out, and nothing is allocated where it says 
 #if !defined(__SANITIZE_ADDRESS__) && defined(NDEBUG)
   CHECK(costs[0].allocations > 20);
   CHECK(costs[5].seconds < 0.15 * costs[0].seconds);  // half of it was measured
-  CHECK(costs[6].seconds < 2 * costs[5].seconds);     // 1.4
+  CHECK(costs[6].seconds < 4 * costs[5].seconds);     // 1.4 on an idle machine
 #endif
 }
