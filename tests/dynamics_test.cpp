@@ -1,5 +1,5 @@
 // The global solver against a dense reference in long double, closed forms, and conservation laws.
-#include "mechanics/dynamics/system.hpp"
+#include "evaluated.hpp"
 
 #include <Eigen/Dense>
 #include <chrono>
@@ -34,7 +34,7 @@ using VectorXld = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
 // A System that also keeps what a dense reference needs. It assembles nothing in blocks: it asks
 // each joint for its rows and solves [M, -J^T; J, 0] [a; lambda] = [F; -Jdot_v - ks C - kd J v].
 struct Scene {
-  System system;
+  Evaluated system;
   Vector2d g = Vector2d::Zero();
   double ks = 0, kd = 0;
   VectorXd F_constant;
@@ -42,8 +42,8 @@ struct Scene {
   template <class Joint, class First, class Second = World>
   JointHandle add(const std::string& name, const Joint& joint, Handle<First> first,
                   Handle<Second> second = System::world) {
-    fill_.push_back([=](System& s, const VectorXd& q, const VectorXd& v, VectorXd& C, MatrixXd& J,
-                        VectorXd& Jdot_v) {
+    fill_.push_back([=](Evaluated& s, const VectorXd& q, const VectorXd& v, VectorXd& C,
+                        MatrixXd& J, VectorXd& Jdot_v) {
       const auto rows = joint.rows(thing(s, first, q, v), thing(s, second, q, v));
       const Eigen::Index r = rows.C.size(), row = C.size();
       C.conservativeResize(row + r);
@@ -92,13 +92,13 @@ struct Scene {
 
  private:
   template <class Thing>
-  static Thing thing(System& s, Handle<Thing> h, const VectorXd& q, const VectorXd& v) {
+  static Thing thing(Evaluated& s, Handle<Thing> h, const VectorXd& q, const VectorXd& v) {
     if constexpr (Thing::dof == 0)
       return {};
     else
       return s.state(h, q, v);
   }
-  std::vector<std::function<void(System&, const VectorXd&, const VectorXd&, VectorXd&, MatrixXd&,
+  std::vector<std::function<void(Evaluated&, const VectorXd&, const VectorXd&, VectorXd&, MatrixXd&,
                                  VectorXd&)>>
       fill_;
 };
@@ -107,14 +107,14 @@ double relative(const VectorXd& a, const VectorXd& b) {
   return (a - b).lpNorm<Eigen::Infinity>() / std::max(1e-300, b.lpNorm<Eigen::Infinity>());
 }
 
-VectorXd acceleration(System& s, const VectorXd& q, const VectorXd& v, double t = 0) {
+VectorXd acceleration(Evaluated& s, const VectorXd& q, const VectorXd& v, double t = 0) {
   VectorXd a(q.size());
   s.acceleration(t, q, v, a);
   return a;
 }
 
 // One step of the classical Runge-Kutta method.
-void rk4(System& s, double h, VectorXd& q, VectorXd& v) {
+void rk4(Evaluated& s, double h, VectorXd& q, VectorXd& v) {
   const VectorXd a1 = acceleration(s, q, v);
   const VectorXd v2 = v + h / 2 * a1, a2 = acceleration(s, q + h / 2 * v, v2);
   const VectorXd v3 = v + h / 2 * a2, a3 = acceleration(s, q + h / 2 * v2, v3);
@@ -188,7 +188,7 @@ struct SliderCrank {
     const double angle = folded ? pi + std::asin(height / rod) : -std::asin(height / rod);
     const double x_pin = crank * std::cos(theta), x_slider = x_pin + rod * std::cos(angle);
     const double inertia = mass * length * length;
-    System& s = scene.system;
+    Evaluated& s = scene.system;
     Handles h;
     h.wheel = s.add_body("wheel", 2 * mass, 0.16 * inertia, place(0, 0), phi + theta);
     h.rod = s.add_body("rod", mass, inertia * rod * rod / 12,
@@ -239,7 +239,7 @@ void chain(Scene& scene, int n, bool both_ends, double angle = 0) {
   if (both_ends) scene.add("end", Revolute{{l / 2, 0}, e}, last, System::world);
 }
 
-VectorXd random_velocity(System& s) {
+VectorXd random_velocity(Evaluated& s) {
   VectorXd v(s.initial_q().size());
   for (double& x : v) x = random_number(-1, 1);
   return v;
@@ -288,7 +288,7 @@ TEST_CASE("accelerations and lambda are those of a dense reference") {
 
 TEST_CASE("one particle on the parabola has chapter 1's lambda") {
   const double p = 50, m = 1.3, x = 40, vx = 7, fx = 3, g = 9.81;
-  System s;
+  Evaluated s;
   s.set_gravity({0, g});
   const auto bead = s.add_particle("bead", m, {x, -x * x / (2 * p)}, {vx, -x * vx / p});
   s.apply(bead, {fx, 0});
@@ -304,7 +304,7 @@ TEST_CASE("a pinned rod, a block on an incline and a held plate have their known
   const double g = 9.81;
   SECTION("compound pendulum at any angle") {
     const double L = 1, m = 1, theta = 0.4, omega = 1.7;
-    System s;
+    Evaluated s;
     s.set_gravity({0, g});
     const Vector2d e(std::cos(theta), std::sin(theta)), t(-e.y(), e.x());
     const auto rod =
@@ -321,7 +321,7 @@ TEST_CASE("a pinned rod, a block on an incline and a held plate have their known
   }
   SECTION("incline") {
     const double incline = pi / 6, m = 1;
-    System s;
+    Evaluated s;
     s.set_gravity({0, g});
     const Matrix2d R = rotation(incline);
     const auto block = s.add_body("block", m, m * 0.05 / 12, {0, 0}, incline);
@@ -334,7 +334,7 @@ TEST_CASE("a pinned rod, a block on an incline and a held plate have their known
     CHECK(std::abs(s.reaction(rail, block)[2]) < 1e-15);
   }
   SECTION("plate: the reaction is minus the load and its moment, at any time") {
-    System s;
+    Evaluated s;
     s.set_gravity({0, g});
     const auto plate = s.add_body("plate", 2, 2 * 0.52 / 12, {0.1, 0.2});
     const auto ground = s.add("ground", Ground{{0.1, 0.2}, 0}, plate);
@@ -355,7 +355,7 @@ TEST_CASE("energy is kinetic plus the potentials, and constraint forces do no wo
   const double k = 40;
   Scene scene;
   const auto h = SliderCrank{}.build(scene);
-  System& s = scene.system;
+  Evaluated& s = scene.system;
   s.apply(h.wheel, {0, 0, -2});  // takes the torque away again
   s.apply(
       h.slider, [k](double, const Body& b) { return Vector3d(-k * (b.x.x() - 1), 0, 0); },
@@ -667,8 +667,7 @@ TEST_CASE("nothing is allocated after the first call") {
   v.array() += 1e-2;
   const long before_projection = allocations();
   const Projection projection = scene.system.project(q, v);
-  const double E = scene.system.energy(q, v) + scene.system.constraint_error(q) +
-                   scene.system.velocity_error(q, v);
+  const double E = scene.system.energy(q, v) + scene.system.constraint_error(q);
   CHECK(allocations() == before_projection);
   CHECK((projection.converged && std::isfinite(E)));
 }
@@ -677,7 +676,7 @@ TEST_CASE("projection brings positions and velocities to rounding") {
   for (double size : {1e-9, 1e-6, 1e-3, 3e-2}) {
     Scene scene;
     SliderCrank{}.build(scene);
-    System& s = scene.system;
+    Evaluated& s = scene.system;
     for (int i = 0; i < 20; ++i) {
       VectorXd q = s.initial_q() + size * random_velocity(s);
       VectorXd v = random_velocity(s);
@@ -699,7 +698,7 @@ TEST_CASE("projection is the least change in the mass metric") {
   crank.phi = 0.8;
   crank.shift = {3, -2};
   crank.build(scene);
-  System& s = scene.system;
+  Evaluated& s = scene.system;
   VectorXd q = s.initial_q(), v;
   // M dq and M dv lie in the range of J^T.
   const auto outside = [&](const VectorXd& d) {
@@ -762,7 +761,7 @@ TEST_CASE("a mechanism passes its singular pose with its energy") {
   SliderCrank crank;
   crank.rod = 0.3;
   const auto h = crank.build(scene);
-  System& s = scene.system;
+  Evaluated& s = scene.system;
   s.apply(h.wheel, {0, 0, -2});
   s.set_gravity(Vector2d::Zero());
   VectorXd q = s.initial_q(), v = s.initial_v();
@@ -785,7 +784,7 @@ TEST_CASE("a mechanism passes its singular pose with its energy") {
 TEST_CASE("assembly: left alone, projected, or refused") {
   Scene scene;
   SliderCrank{}.build(scene);
-  System& s = scene.system;
+  Evaluated& s = scene.system;
   SECTION("already closed: left as it is, bit for bit") {
     VectorXd q = s.initial_q(), v = s.initial_v();
     const Assembly report = s.assemble(q, v);
@@ -821,7 +820,7 @@ TEST_CASE("assembly: left alone, projected, or refused") {
 
 TEST_CASE("assembly: what cannot be closed is refused with the joint's name") {
   Scene scene;
-  System& s = scene.system;
+  Evaluated& s = scene.system;
   // Pins 1 m apart on the world, a rod of 0.88 m between them: 0.12 m too short.
   const auto rod = s.add_body("rod", 1, 0.1, {0.5, 0.1}, 0.2);
   scene.add("left", Revolute{{-0.44, 0}, {0, 0}}, rod, System::world);
@@ -859,7 +858,7 @@ TEST_CASE("assembly: what cannot be closed is refused with the joint's name") {
 }
 
 TEST_CASE("unusable input is refused, and NaN neither crashes nor hangs") {
-  System s;
+  Evaluated s;
   CHECK_THROWS_AS(s.add_particle("p", 0, {0, 0}), std::invalid_argument);
   CHECK_THROWS_AS(s.add_body("b", 1, -1, {0, 0}), std::invalid_argument);
   CHECK_THROWS_AS(s.add_body("b", std::nan(""), 1, {0, 0}), std::invalid_argument);
@@ -889,7 +888,7 @@ TEST_CASE("unusable input is refused, and NaN neither crashes nor hangs") {
 }
 
 TEST_CASE("a system without joints is free") {
-  System s;
+  Evaluated s;
   s.set_gravity({0, 9.81});
   s.add_particle("p", 2, {0, 0});
   VectorXd q = s.initial_q(), v = s.initial_v();
@@ -905,7 +904,7 @@ namespace {
 
 // A pendulum, a bead on a rod at its end, and a block that nothing holds: all kinds of things.
 struct Misused {
-  System s;
+  Evaluated s;
   Handle<Body> rod = s.add_body("rod", 1, 1.0 / 12, {0.5, 0});
   Handle<Particle> bead = s.add_particle("bead", 2, {1, 1});
   Handle<Body> block = s.add_body("block", 1, 1, {3, 4});
@@ -937,13 +936,13 @@ bool starts(const std::string& text, const std::string& start) {
 }
 
 // Every function of q and v, by name; each gives numbers that must show what is not finite.
-using Query = std::function<VectorXd(System&, VectorXd&, VectorXd&)>;
+using Query = std::function<VectorXd(Evaluated&, VectorXd&, VectorXd&)>;
 const std::vector<std::pair<std::string, Query>> queries{
-    {"acceleration", [](System& s, VectorXd& q, VectorXd& v) { return acceleration(s, q, v); }},
+    {"acceleration", [](Evaluated& s, VectorXd& q, VectorXd& v) { return acceleration(s, q, v); }},
     {"energy", [](auto& s, auto& q, auto& v) { return VectorXd::Constant(1, s.energy(q, v)); }},
-    {"drive", [](auto& s, auto& q, auto& v) { return VectorXd::Constant(1, s.drive(0, q, v)); }},
-    {"free_acceleration",
-     [](auto& s, auto& q, auto& v) { return VectorXd::Constant(1, s.free_acceleration(0, q, v)); }},
+    {"forces", [](auto& s, auto& q, auto& v) { return s.forces(0, q, v); }},
+    {"drive",
+     [](auto& s, auto& q, auto& v) { return VectorXd::Constant(1, s.drive(s.forces(0, q, v))); }},
     {"velocity_error",
      [](auto& s, auto& q, auto& v) { return VectorXd::Constant(1, s.velocity_error(q, v)); }},
     {"state",
@@ -979,15 +978,15 @@ TEST_CASE("misuse: a q or v of the wrong length is refused by every function") {
   m.s.set_gravity({0, 9.81});
   std::vector<std::pair<std::string, Query>> all = queries, of_q = queries_of_q,
                                              of_v = queries_of_v;
-  all.emplace_back("project", [](System& s, VectorXd& q, VectorXd& v) {
+  all.emplace_back("project", [](Evaluated& s, VectorXd& q, VectorXd& v) {
     s.project(q, v);
     return q;
   });
-  all.emplace_back("assemble", [](System& s, VectorXd& q, VectorXd& v) {
+  all.emplace_back("assemble", [](Evaluated& s, VectorXd& q, VectorXd& v) {
     s.assemble(q, v);
     return q;
   });
-  of_v.emplace_back("kinetic_energy of a thing", [](System& s, VectorXd&, VectorXd& v) {
+  of_v.emplace_back("kinetic_energy of a thing", [](Evaluated& s, VectorXd&, VectorXd& v) {
     return VectorXd::Constant(1, s.kinetic_energy(s.things().back(), v));
   });
   const auto check = [&](const auto& functions, bool wrong_q, bool wrong_v) {
@@ -1049,7 +1048,7 @@ TEST_CASE("misuse: a handle of another System, or of none, is refused") {
   Misused m, other;
   acceleration(m.s, m.q(), m.v());
   acceleration(other.s, other.q(), other.v());
-  const auto body_refused = [&](System& s, Handle<Body> body, JointHandle joint) {
+  const auto body_refused = [&](Evaluated& s, Handle<Body> body, JointHandle joint) {
     const std::string of_another = ": a handle of another System, or of none";
     CHECK(refused([&] { s.add("new", Revolute{}, body); }) == "new" + of_another);
     CHECK(refused([&] { s.add("new", Prismatic{}, System::world, body); }) == "new" + of_another);
@@ -1080,10 +1079,10 @@ TEST_CASE("misuse: a handle of another System, or of none, is refused") {
   const VectorXd a = acceleration(m.s, m.q(), m.v());
   const Vector3d reaction = m.s.reaction(m.pin, m.rod);
   CHECK(reaction.norm() > 1);
-  System moved = std::move(m.s);
+  Evaluated moved = std::move(m.s);
   CHECK(acceleration(moved, moved.initial_q(), moved.initial_v()) == a);
   CHECK(moved.reaction(m.pin, m.rod) == reaction);
-  m.s = System();
+  m.s = Evaluated();
   m.s.add("pin", Revolute{}, m.s.add_body("rod", 1, 1, {0, 0}));
   acceleration(m.s, m.q(), m.v());
   body_refused(m.s, m.rod, m.pin);
@@ -1093,51 +1092,78 @@ TEST_CASE("misuse: a handle of another System, or of none, is refused") {
   body_refused(other.s, other.rod, other.pin);
 }
 
-TEST_CASE("misuse: what is of the last acceleration() is refused when that was not the last word") {
+TEST_CASE("misuse: what was not evaluated cannot be asked") {
   Misused m;
   m.s.set_gravity({0, 9.81});
   VectorXd q = m.q(), v = m.v(), there = q;
   there[2] += 0.3;
+  Evaluation& e = m.s.e;
   const auto silent = [&] {
     for (const std::function<void()>& ask : std::vector<std::function<void()>>{
-             [&] { m.s.lambda(m.pin); }, [&] { m.s.reaction(m.pin, m.rod); },
-             [&] { m.s.dependent_rows(); }, [&] { m.s.worst_row(); }, [&] { m.s.weakest_row(); },
-             [&] { m.s.counts(); }})
-      CHECK(starts(refused<std::logic_error>(ask), "asked of the last acceleration()"));
+             [&] { e.a(); }, [&] { e.C(); }, [&] { e.lambda(m.pin); },
+             [&] { e.reaction(m.pin, m.rod); }, [&] { e.dependent_rows(); }, [&] { e.worst_row(); },
+             [&] { e.weakest_row(); }, [&] { e.counts(); }, [&] { e.constraint_error(); },
+             [&] { e.velocity_error(); }, [&] { e.distance(); }, [&] { e.opening(); },
+             [&] { e.jacobian(); }})
+      CHECK(starts(refused<std::logic_error>(ask), "asked of an evaluation"));
   };
   silent();  // before the first
   // Released level, the rod and what hangs on it: moments about the pin give the first pull.
   acceleration(m.s, q, v);
-  const Vector3d reaction = m.s.reaction(m.pin, m.rod);
-  // These do not touch the joints.
-  m.s.energy(there, v);
-  m.s.drive(0, there, v);
-  m.s.free_acceleration(0, there, v);
-  m.s.state(m.rod, there, v);
-  CHECK(m.s.reaction(m.pin, m.rod) == reaction);
-  CHECK(m.s.counts().rank == 3);
-  for (const std::function<void()>& evaluate : std::vector<std::function<void()>>{
-           [&] { m.s.constraint_error(there); }, [&] { m.s.velocity_error(there, v); },
-           [&] { m.s.distance(there); }, [&] { m.s.jacobian(there); },
-           [&] { m.s.project(there, v); }, [&] { m.s.assemble(there, v); },
+  const Vector3d reaction = e.reaction(m.pin, m.rod);
+  CHECK(e.counts().rank == 3);
+  m.s.project(there, v);  // borrows it
+  silent();
+  acceleration(m.s, q, v);
+  CHECK((e.reaction(m.pin, m.rod) - reaction).norm() < 1e-12);
+}
+
+TEST_CASE("an evaluation keeps what it was told, whatever becomes of the scene") {
+  Misused m;
+  m.s.set_gravity({0, 9.81});
+  const VectorXd q = m.q(), v = m.v();
+  VectorXd there = q;
+  there[2] += 0.3;
+  const VectorXd a = acceleration(m.s, q, v);
+  const Vector3d reaction = m.s.e.reaction(m.pin, m.rod);
+  const Evaluation kept = m.s.e;
+  const auto unchanged = [&] {
+    CHECK(kept.a() == a);
+    CHECK(kept.reaction(m.pin, m.rod) == reaction);
+    CHECK(kept.counts().rank == 3);
+    CHECK(kept.constraint_error() < 1e-15);
+  };
+  for (const std::function<void()>& change : std::vector<std::function<void()>>{
+           [&] { m.s.energy(there, v); }, [&] { m.s.drive(m.s.forces(0, there, v)); },
+           [&] { m.s.constraint_error(there); }, [&] { m.s.jacobian(there); },
            [&] {
-             m.s.set_gravity({0, 9.81});
+             m.s.set_gravity({0, 1});
            },
            [&] {
-             m.s.apply(m.rod, {0, 0, 0});
-           },
-           [&] {
-             m.s.add_particle("late", 1, {0, 0});
+             m.s.apply(m.rod, {0, 0, 1});
            },
            [&] {
              m.s.add("late", Ground{{3, 4}}, m.block);
+           },
+           [&] {
+             m.s.add_particle("late", 1, {0, 0});
            }}) {
-    evaluate();
-    silent();
-    acceleration(m.s, m.q(), m.v());
-    CHECK((m.s.reaction(m.pin, m.rod) - reaction).norm() < 1e-12);
+    change();
+    unchanged();
   }
-  System free;
+  CHECK(m.s.at(m.s.initial_q(), m.s.initial_v()).a().size() == q.size() + 2);  // laid out anew
+  Evaluated other;
+  other.add_particle("p", 1, {0, 0});
+  CHECK(refused([&] {
+          Evaluation e = kept;
+          other.evaluate(0, other.initial_q(), other.initial_v(), e);
+        }) == "an Evaluation of another System, or of none");
+  m.s = Evaluated();
+  unchanged();
+}
+
+TEST_CASE("misuse: a scene without joints has no rows") {
+  Evaluated free;
   free.add_particle("p", 1, {0, 0});
   acceleration(free, free.initial_q(), free.initial_v());
   CHECK(refused<std::logic_error>([&] { free.worst_row(); }) ==
@@ -1150,7 +1176,7 @@ TEST_CASE("misuse: numbers that cannot be computed with are refused by the thing
   const double nan = std::nan(""), inf = INFINITY;
   const auto thing = [](double mass, double inertia, const Vector2d& x = {0, 0}, double theta = 0,
                         const Vector2d& v = {0, 0}, double omega = 0) {
-    System s;
+    Evaluated s;
     const std::string before =
         refused([&] { s.add_body("plate", mass, inertia, x, theta, v, omega); });
     // Nothing of it is left, and the name is free.
@@ -1177,7 +1203,7 @@ TEST_CASE("misuse: numbers that cannot be computed with are refused by the thing
   }
 
   const std::string loads = ": its weight and constant forces must be finite";
-  System s;
+  Evaluated s;
   const auto heavy = s.add_body("heavy", 1e300, 1e300, {0, 0});
   const auto light = s.add_particle("light", 1, {0, 0});
   for (const double bad : {nan, inf, -inf}) {
@@ -1211,7 +1237,7 @@ TEST_CASE("misuse: assemble never reports success over an open joint") {
   // gap: how far the joints are open in the state that it returns, relative to the scene's size,
   // which is known here by construction.
   long assembled = 0, refusals = 0;
-  const auto closed_or_refused = [&](System& s, VectorXd q, const auto& gap) {
+  const auto closed_or_refused = [&](Evaluated& s, VectorXd q, const auto& gap) {
     VectorXd v = s.initial_v();
     const VectorXd before = q;
     try {
@@ -1231,20 +1257,20 @@ TEST_CASE("misuse: assemble never reports success over an open joint") {
     const double size = i % 4 < 2 ? 1 : std::pow(10, random_number(-150, 150));
     const int entry = i % 3;
     INFO("entry " << entry << " at " << far << " in a scene of " << size << " m");
-    const auto pushed = [&](const System& s) {
+    const auto pushed = [&](const Evaluated& s) {
       VectorXd q = s.initial_q();
       q[entry] = far;
       return q;
     };
     const double I = size * size / 12;
     if (std::isnormal(I) && std::isnormal(1 / I)) {
-      System pendulum;
+      Evaluated pendulum;
       const auto rod = pendulum.add_body("rod", 1, I, {size / 2, 0});
       pendulum.add("pin", Revolute{{-size / 2, 0}, {0, 0}}, rod);
       closed_or_refused(pendulum, pushed(pendulum), [&](const VectorXd& q) {
         return (q.head<2>() - size / 2 * rotation(q[2]).col(0)).stableNorm() / size;
       });
-      System rail;  // with an angle to hold
+      Evaluated rail;  // with an angle to hold
       const auto block = rail.add_body("block", 1, I, {0, 0});
       rail.add("rail", Prismatic{}, System::world, block);
       rail.add("rod", Distance{size, {0, 0}, {size, 0}}, block);
@@ -1255,14 +1281,14 @@ TEST_CASE("misuse: assemble never reports success over an open joint") {
     }
   }
   for (const double theta : {1e8, 1e10, 1e16, 1e100, 1e308}) {
-    System s;
+    Evaluated s;
     s.add("pin", Revolute{{1, 0.7}, {0, 0}}, s.add_body("rod", 1, 1, {1, 0}, theta));
     VectorXd q = s.initial_q(), v = s.initial_v();
     CHECK(starts(refused<AssemblyError>([&] { s.assemble(q, v); }),
                  "cannot assemble: rod is turned by 1e+"));
   }
   for (const double x : {1e12, 1e17, 1e300}) {  // a rod of 1 m whose pins are 3 m apart
-    System s;
+    Evaluated s;
     const auto rod = s.add_body("rod", 1, 1.0 / 12, {x, 0});
     s.add("left", Revolute{{-0.5, 0}, {x, 0}}, rod);
     s.add("right", Revolute{{0.5, 0}, {x, 3}}, rod);
@@ -1276,7 +1302,7 @@ TEST_CASE("misuse: assemble never reports success over an open joint") {
 
 TEST_CASE("misuse: a whole turn between two compared angles is told") {
   for (const int turns : {-2, 1, 3}) {
-    System s;
+    Evaluated s;
     const auto block = s.add_body("block", 1, 1, {0, 0}, 0.1);
     s.add("rail", Prismatic{}, System::world, block);
     s.add("ground", Ground{{0, 0}, turns * 2 * pi}, block);
@@ -1286,7 +1312,7 @@ TEST_CASE("misuse: a whole turn between two compared angles is told") {
     CHECK(words.find("whole turns apart, and are not wrapped") != std::string::npos);
   }
   // One that nothing else holds turns back, and half a turn is no turn.
-  System s;
+  Evaluated s;
   const auto block = s.add_body("block", 1, 1, {0, 0}, 2 * pi);
   s.add("rail", Prismatic{}, System::world, block);
   VectorXd q = s.initial_q(), v = s.initial_v();

@@ -62,6 +62,12 @@ bool holds(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
+double opening(const dynamics::System& system, const Eigen::VectorXd& q) {
+  dynamics::Evaluation e(system);
+  system.evaluate(0.0, q, system.initial_v(), e);
+  return e.opening();
+}
+
 }  // namespace
 
 TEST_CASE("reach: the largest distance between points, however they lie") {
@@ -95,7 +101,7 @@ TEST_CASE("opening: the way that brings a point back, whatever the joint and the
   for (const int axis : {0, 1}) {
     Eigen::VectorXd q = one.initial_position();
     q[axis] += 0.01;
-    CHECK(one.system.opening(q) == Approx(0.01).epsilon(1e-12));
+    CHECK(opening(one.system, q) == Approx(0.01).epsilon(1e-12));
   }
   // Between two bodies the gap is shared, whatever their masses.
   for (const double mass : {1e-6, 1.0, 1e6}) {
@@ -106,13 +112,13 @@ TEST_CASE("opening: the way that brings a point back, whatever the joint and the
     for (const int axis : {3, 4}) {
       Eigen::VectorXd q = system.initial_q();
       q[axis] += 0.02;
-      CHECK(system.opening(q) == Approx(0.02).epsilon(1e-12));
+      CHECK(opening(system, q) == Approx(0.02).epsilon(1e-12));
     }
   }
   // An angle counts times the radius: of a rod of 1 m, half a metre.
   dynamics::System held;
   held.add("rod_ground", joints::Ground{}, held.add_body("rod", 3.0, 0.25, {0.0, 0.0}));
-  CHECK(held.opening(Eigen::Vector3d(0.0, 0.0, 0.1)) == Approx(0.05).epsilon(1e-12));
+  CHECK(opening(held, Eigen::Vector3d(0.0, 0.0, 0.1)) == Approx(0.05).epsilon(1e-12));
 }
 
 TEST_CASE("a torn pendulum says so, the same in all units, and a right one says nothing") {

@@ -195,9 +195,9 @@ Picture jacobian_picture(const Scene& scene) {
   mechanics::Mechanism mechanism = make_mechanism(scene, {});
   Eigen::VectorXd a;
   mechanism.acceleration(0.0, mechanism.initial_position(), mechanism.initial_velocity(), a);
-  const int blocks = mechanism.system.counts().jacobian_blocks;
+  const int blocks = mechanism.evaluation().counts().jacobian_blocks;
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const Matrix J = mechanism.system.jacobian(mechanism.initial_position());
+  const Matrix J = mechanism.evaluation().jacobian();
   const Matrix K = J * mechanism.system.W().asDiagonal() * J.transpose();
   using Sides = std::vector<pictures::Jacobian::Side>;
   const Sides joints{{"bead1_curve", {""}}, {"bead2_curve", {""}}, {"bead1_bead2", {""}}};

@@ -91,7 +91,8 @@ struct OneBead {
   Answer solve(const Vector2d& x, const Vector2d& v) {
     Eigen::VectorXd a(2);
     mechanism.acceleration(0.0, x, v, a);
-    return {mechanism.system.lambda(curve)[0], mechanism.system.reaction(curve, bead).head<2>()};
+    return {mechanism.evaluation().lambda(curve)[0],
+            mechanism.evaluation().reaction(curve, bead).head<2>()};
   }
 
   mechanics::Mechanism mechanism;

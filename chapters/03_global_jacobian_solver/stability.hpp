@@ -74,7 +74,7 @@ inline measure::Stability stability() {
          Motion motion(std::move(mechanism), projected);
          motion.advance(1000, 0.01);
          const mechanics::Row row = motion.row();
-         if (motion.model().system.dependent_rows().size() != 1) return 1.0;
+         if (motion.model().evaluation().dependent_rows().size() != 1) return 1.0;
          return errors(scene, row)[0];
        }},
       {"feedback past its limit: h√ks = 3", "", refused("kinetic energy"),

@@ -12,8 +12,9 @@ class OneByOne : public mechanics::Mechanism {
       : Mechanism(make_mechanism(scene, {})), free_(0, scene.gravity, 0, scene.gravity) {}
 
   // [one_by_one]
-  void acceleration(double, const Vector& q, const Vector& v, Vector& a) {
-    const Eigen::MatrixXd J = system.jacobian(q);
+  void acceleration(double t, const Vector& q, const Vector& v, Vector& a) {
+    Mechanism::acceleration(t, q, v, a);
+    const Eigen::MatrixXd J = evaluation().jacobian();
     const Vector2d v1 = v.head<2>(), v2 = v.tail<2>();
     const Eigen::Vector3d Jdot_v(2 * v1.x() * v1.x(), 2 * v2.x() * v2.x(), (v2 - v1).squaredNorm());
     a = free_;  // W F

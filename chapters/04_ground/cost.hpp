@@ -30,7 +30,7 @@ inline std::string left_out_table() {
     mechanics::Mechanism mechanism = make_pendulum(simulate_ground);
     Eigen::VectorXd a = mechanism.initial_position();
     mechanism.acceleration(0.0, mechanism.initial_position(), mechanism.initial_velocity(), a);
-    return mechanism.system.counts();
+    return mechanism.evaluation().counts();
   };
   const dynamics::Counts with = counts(true), without = counts(false);
   const double seconds_with = seconds_per_step(true), seconds_without = seconds_per_step(false);

@@ -80,7 +80,7 @@ inline measure::Stability stability() {
          Motion motion(std::move(mechanism), rk4);
          motion.advance(1000, 0.01);
          motion.row();
-         if (motion.model().system.dependent_rows().size() != 3) return 1.0;
+         if (motion.model().evaluation().dependent_rows().size() != 3) return 1.0;
          return motion.measures().constraint_error;
        }},
   };

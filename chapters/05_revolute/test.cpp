@@ -277,7 +277,7 @@ TEST_CASE("the pins' forces explain the whole motion: Newton and Euler for each 
 TEST_CASE("rows and columns by hand count, names as the table has them") {
   Motion rod = motion({});
   rod.advance(1, 1e-3);
-  const auto one = rod.model().system.counts();
+  const auto one = rod.model().evaluation().counts();
   CHECK((one.coordinates == 3 && one.rows == 2 && one.rank == 2 && one.degrees_of_freedom == 1));
   CHECK(rod.columns().state ==
         std::vector<std::string>{"rod.x", "rod.y", "rod.theta", "rod.vx", "rod.vy", "rod.omega"});
@@ -286,7 +286,7 @@ TEST_CASE("rows and columns by hand count, names as the table has them") {
   for (const int N : {2, 10, 200}) {
     Motion rods = motion({.links = double(N)});
     rods.advance(1, 1e-4);
-    const auto counts = rods.model().system.counts();
+    const auto counts = rods.model().evaluation().counts();
     CHECK(counts.coordinates == 3 * N);
     CHECK(counts.rows == 2 * N);
     CHECK(counts.rank == 2 * N);
@@ -360,8 +360,8 @@ TEST_CASE("a pin given twice changes nothing, and is named") {
   once.advance(500, 1e-3);
   twice.advance(500, 1e-3);
   CHECK((once.q() - twice.q()).norm() < 1e-13);
-  REQUIRE(twice.model().system.dependent_rows().size() == 2);
-  CHECK(twice.model().system.dependent_rows()[0].joint == "again");
+  REQUIRE(twice.model().evaluation().dependent_rows().size() == 2);
+  CHECK(twice.model().evaluation().dependent_rows()[0].joint == "again");
 }
 
 TEST_CASE("where chaos or the work is too much, a chain has no exact answer") {

@@ -108,7 +108,7 @@ inline measure::Stability stability() {
          Motion motion(std::move(mechanism), projected);
          motion.advance(1000, 1e-3);
          const mechanics::Row row = motion.row();
-         if (motion.model().system.dependent_rows().size() != 2) return 1.0;
+         if (motion.model().evaluation().dependent_rows().size() != 2) return 1.0;
          return errors(scene, row)[0];
        }},
       {"feedback past its limit: h√ks = 5", "", refused("kinetic energy"),

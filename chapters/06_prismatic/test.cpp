@@ -193,7 +193,7 @@ TEST_CASE("rail and pin push against each other: the sum on the rail is nothing"
 TEST_CASE("rows and columns by hand count, names as the table has them") {
   Motion block = motion({});
   block.advance(1, 1e-3);
-  const auto incline = block.model().system.counts();
+  const auto incline = block.model().evaluation().counts();
   CHECK((incline.coordinates == 3 && incline.rows == 2 && incline.rank == 2 &&
          incline.degrees_of_freedom == 1));
   CHECK(block.columns().state.front() == "block.x");
@@ -201,7 +201,7 @@ TEST_CASE("rows and columns by hand count, names as the table has them") {
         std::vector<std::string>{"block_rail.fx", "block_rail.fy", "block_rail.moment"});
   Motion spin = motion({.spin = 5.0});
   spin.advance(1, 1e-3);
-  const auto turning = spin.model().system.counts();
+  const auto turning = spin.model().evaluation().counts();
   CHECK((turning.coordinates == 6 && turning.rows == 4 && turning.rank == 4 &&
          turning.degrees_of_freedom == 2));
   CHECK(spin.columns().state.front() == "rail.x");
@@ -231,10 +231,10 @@ TEST_CASE("solution 3: with a second rail the motion stays right, and its rows a
   two.advance(100, 0.01);
   CHECK((one.q() - two.q()).norm() < 1e-12);
   CHECK((two.q().head<2>() - prismatic::exact_incline(scene, 1.0).x).norm() < 1e-12);
-  REQUIRE(two.model().system.counts().rank == 2);
+  REQUIRE(two.model().evaluation().counts().rank == 2);
   for (std::size_t i = 0; i < 3; ++i)  // the first rail carries what it did alone
     CHECK(two.row().reactions[i] == Approx(one.row().reactions[i]).margin(1e-12));
-  const auto dependent = two.model().system.dependent_rows();
+  const auto dependent = two.model().evaluation().dependent_rows();
   REQUIRE(dependent.size() == 2);
   for (const auto& row : dependent) CHECK(row.joint == "second_rail");
 }

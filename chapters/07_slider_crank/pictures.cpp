@@ -162,7 +162,7 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
   Motion crank = motion(scene, {});
   Eigen::VectorXd a = crank.q();
   crank.model().acceleration(0.0, crank.q(), crank.v(), a);
-  const dynamics::Counts counts = crank.model().system.counts();
+  const dynamics::Counts counts = crank.model().evaluation().counts();
   const std::string caption = fmt::format(
       "{} rows on {} coordinates leave {} degree of freedom; with the frame as a body 11 rows on "
       "12.",

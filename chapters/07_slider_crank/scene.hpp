@@ -115,9 +115,9 @@ inline mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::
       // slider's place.
       mechanism.report_fixed("frame");
       mechanism.report("frame_ground", [=, weight = scene.frame_mass * scene.gravity](
-                                           const dynamics::System& solved, const VectorXd& q) {
-        const Eigen::Vector3d pin = solved.reaction(wheel_frame, wheel);
-        const Eigen::Vector3d rail = solved.reaction(slider_frame, slider);
+                                           const dynamics::Evaluation& e, const VectorXd& q) {
+        const Eigen::Vector3d pin = e.reaction(wheel_frame, wheel);
+        const Eigen::Vector3d rail = e.reaction(slider_frame, slider);
         const Vector2d x = q.segment<2>(slider.column);
         return Eigen::Vector3d(pin.x() + rail.x(), pin.y() + rail.y() - weight,
                                rail.z() + x.x() * rail.y() - x.y() * rail.x());

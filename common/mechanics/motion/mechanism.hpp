@@ -20,8 +20,8 @@ namespace mechanics {
 class Mechanism {
  public:
   using Vector = Eigen::VectorXd;
-  /// Reads a reaction off a system that was just solved at q.
-  using Reaction = std::function<Eigen::Vector3d(const dynamics::System&, const Vector& q)>;
+  /// Reads a reaction off the evaluation at q.
+  using Reaction = std::function<Eigen::Vector3d(const dynamics::Evaluation&, const Vector& q)>;
 
   dynamics::System system;
 
@@ -35,9 +35,8 @@ class Mechanism {
   /// Reports the force [N] and moment [N·m] of a joint on one of its things under a name.
   template <class Thing>
   void report(const std::string& name, dynamics::JointHandle joint, dynamics::Handle<Thing> thing) {
-    report(name, [=](const dynamics::System& solved, const Vector&) {
-      return solved.reaction(joint, thing);
-    });
+    report(name,
+           [=](const dynamics::Evaluation& e, const Vector&) { return e.reaction(joint, thing); });
   }
   /// The same for a reaction that is no joint's of the system, computed from those that are.
   void report(const std::string& name, Reaction reaction) {
@@ -51,14 +50,13 @@ class Mechanism {
   void start_as_given() {
     q_ = system.initial_q();
     v_ = system.initial_v();
-    a_ = Vector::Zero(q_.size());
   }
 
   /// Closes the joints before the first step; a start that had to be moved becomes a note.
   /// Throws dynamics::AssemblyError.
   void assemble() {
     start_as_given();
-    const dynamics::Assembly assembly = system.assemble(q_, v_);
+    const dynamics::Assembly assembly = system.assemble(0.0, q_, v_);
     if (assembly.projected)
       notes_.push_back("start: off its constraints by " + in_digits(assembly.C_before) +
                        "; projected onto them, which moved it by " + in_digits(assembly.moved));
@@ -79,31 +77,40 @@ class Mechanism {
   }
 
   void acceleration(double t, const Vector& q, const Vector& v, Vector& a) {
-    system.acceleration(t, q, v, a);
+    system.evaluate(t, q, v, e_);
+    a = e_.a();
   }
   void project(Vector& q, Vector& v) {
-    if (!system.project(q, v).converged) ++left_open_;
+    if (!system.project(0.0, q, v, e_).converged) ++left_open_;
   }
 
   mechanics::Measures measures(double t, const Vector& q, const Vector& v) {
+    system.evaluate(t, q, v, e_);
+    const Vector F = system.forces(t, q, v);
     return {.energy = system.energy(q, v),
-            .constraint_error = system.constraint_error(q),
-            .velocity_error = system.velocity_error(q, v),
+            .constraint_error = e_.constraint_error(),
+            .velocity_error = e_.velocity_error(),
             .work = work ? work(q) : 0.0,
             .kinetic = system.kinetic_energy(v),
-            .opening = system.opening(q),
-            .load = system.load(t, q, v),
-            .drive = system.drive(t, q, v)};
+            .opening = e_.opening(),
+            .load = system.load(F),
+            .drive = system.drive(F)};
   }
   double free_acceleration(double t, const Vector& q, const Vector& v) {
-    return system.free_acceleration(t, q, v);
+    return system.W().cwiseProduct(system.forces(t, q, v)).norm();
   }
-  double distance(const Vector& q) { return system.distance(q); }
+  double distance(const Vector& q) {
+    system.evaluate(0.0, q, v_, e_);
+    return e_.distance();
+  }
   /// A body as the disc about its centre that a uniform rod or rectangle of its inertia just fits.
   void cover(const Vector& q, mechanics::Reach& reach) const {
     for (const dynamics::ThingInfo& thing : system.things())
       reach.cover(q[thing.column], q[thing.column + 1], system.radius(thing));
   }
+
+  /// The last evaluation.
+  const dynamics::Evaluation& evaluation() const { return e_; }
 
   /// The poses that lost rank, as far as `observe` has seen them.
   const std::vector<SingularPoses::Look>& singular_poses() const { return poses_.poses(); }
@@ -114,8 +121,8 @@ class Mechanism {
     const auto moves_less = [&](const dynamics::ThingInfo& a, const dynamics::ThingInfo& b) {
       return system.kinetic_energy(a, v) < system.kinetic_energy(b, v);
     };
-    system.acceleration(t, q, v, a_);
-    const dynamics::RowState worst = system.worst_row();
+    system.evaluate(t, q, v, e_);
+    const dynamics::RowState worst = e_.worst_row();
     return "most of it in " + std::max_element(things.begin(), things.end(), moves_less)->name +
            "; furthest off is " + worst.row.joint + " row " + std::to_string(worst.row.row) +
            ", by " + in_digits(std::abs(worst.C)) + " " + worst.unit;
@@ -139,7 +146,7 @@ class Mechanism {
   }
 
   mechanics::Uses uses() {
-    const dynamics::Counts counts = system.counts();
+    const dynamics::Counts counts = e_.counts();
     std::vector<std::string> left_out;
     for (const std::string& name : fixed_) left_out.push_back("the " + name);
     const auto& things = system.things();
@@ -162,10 +169,10 @@ class Mechanism {
     for (const dynamics::ThingInfo& thing : system.things())
       for (const Vector* part : {&q, &v})
         for (int i = 0; i < thing.dof; ++i) row.state.push_back((*part)[thing.column + i]);
-    system.acceleration(t, q, v, a_);
-    poses_.look(t, system);
+    system.evaluate(t, q, v, e_);
+    poses_.look(t, e_);
     for (const auto& [name, reaction] : reactions_)
-      for (const double value : reaction(system, q)) row.reactions.push_back(value);
+      for (const double value : reaction(e_, q)) row.reactions.push_back(value);
   }
 
  private:
@@ -174,7 +181,8 @@ class Mechanism {
   SingularPoses poses_;
   double ks_, kd_;
   long left_open_ = 0;
-  Vector q_, v_, a_;
+  dynamics::Evaluation e_{system};
+  Vector q_, v_;
 };
 
 }  // namespace mechanics

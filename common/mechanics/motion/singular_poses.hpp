@@ -16,11 +16,11 @@ namespace mechanics {
 /// is one when the parabola through them comes down to 0, within a tenth of their height.
 class SingularPoses {
  public:
-  /// To be called after system.acceleration at t, step by step.
-  void look(double t, const dynamics::System& system) {
-    if (system.rows() == 0) return;
-    if (looks_ == 0) always_ = system.dependent_rows();
-    const dynamics::RowState weakest = system.weakest_row();
+  /// To be called with the evaluation at t, step by step.
+  void look(double t, const dynamics::Evaluation& e) {
+    if (e.C().size() == 0) return;
+    if (looks_ == 0) always_ = e.dependent_rows();
+    const dynamics::RowState weakest = e.weakest_row();
     last_ = {last_[1], last_[2], {t, weakest.pivot, weakest.row}};
     if (++looks_ >= 3) find();
   }

@@ -1,0 +1,272 @@
+#include "mechanics/dynamics/evaluation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "mechanics/dynamics/system.hpp"
+
+namespace dynamics {
+namespace {
+
+double largest(const VectorXd& x) {
+  return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+}
+
+double nan_of(const VectorXd& x) {
+  double sum = 0;
+  for (const double entry : x) sum += 0 * entry;
+  return sum;
+}
+
+}  // namespace
+
+Evaluation::Evaluation(const System& system) : system_(system.identity_.number) { analyse(system); }
+
+// Finds which blocks of J meet in which block of K = J W J^T, and gives everything its storage.
+void Evaluation::analyse(const System& system) {
+  using JBlock = Layout::JBlock;
+  revision_ = system.revision_;
+  layout_ = system.layout_;
+  things_ = {};
+  std::map<int, std::vector<JBlock>> blocks_of_column;
+  for (const JBlock& block : layout_.J_blocks) blocks_of_column[block.column].push_back(block);
+  std::vector<int> dofs;
+  for (const ThingInfo& thing : layout_.things) {
+    dofs.push_back(thing.dof);
+    if (thing.dof == 2)
+      things_.particles.push_back({{}, thing.column});
+    else
+      things_.bodies.push_back({{{}, {}, 0, 0, rotation(0)}, thing.column});
+  }
+  dof_ = in_common(dofs);
+
+  std::vector<int> sizes;
+  for (const JointInfo& joint : layout_.joints) sizes.push_back(joint.r);
+  std::vector<std::pair<int, int>> edges;
+  for (const auto& [column, blocks] : blocks_of_column)
+    for (const JBlock& a : blocks)
+      for (const JBlock& b : blocks)
+        if (a.joint < b.joint) edges.emplace_back(a.joint, b.joint);
+  K_.analyse(sizes, edges);
+
+  pairs_.clear();
+  for (const auto& [column, blocks] : blocks_of_column)
+    for (const JBlock& a : blocks)
+      for (const JBlock& b : blocks)
+        if (a.joint != b.joint && K_.after(a.joint, b.joint))
+          pairs_.push_back({a.r, b.r, a.dof, column, a.J, b.J, K_.block(a.joint, b.joint)});
+
+  for (int i = 0; JointInfo & joint : layout_.joints) joint.K = K_.block(i, i), ++i;
+
+  F0_ = system.weights();
+  for (VectorXd* x : {&v_, &a_, &F_, &q_}) x->setZero(F0_.size());
+  for (VectorXd* x : {&C_, &size_, &per_size_, &per_root_K_, &b_, &Jv_, &lambda_, &mu_})
+    x->setZero(layout_.rows);
+  J_.setZero(layout_.size_of_J);
+  factored_ = solved_ = false;
+}
+
+JointPlace Evaluation::place(const JointInfo& joint) {
+  return {C_.data() + joint.row, size_.data() + joint.row, Jv_.data() + joint.row,
+          b_.data() + joint.row, K_.K().data() + joint.K,  J_.data() + joint.J};
+}
+
+// Calls f(block, r, dof) for each block of J, its size as constants.
+template <class F>
+void Evaluation::for_each_block_of_J(F&& f) const {
+  alike(K_.size(), [&](auto all_r) {
+    alike(dof_, [&](auto all_dof) {
+      for (const Layout::JBlock& block : layout_.J_blocks)
+        fixed<all_r>(block.r, [&](auto r) {
+          fixed<all_dof>(block.dof, [&](auto dof) { f(block, r, dof); });
+        });
+    });
+  });
+}
+
+// y += sign J x
+void Evaluation::add_J(double sign, const VectorXd& x, VectorXd& y) const {
+  for_each_block_of_J([&](const Layout::JBlock& block, auto r, auto dof) {
+    const ConstBlock<r, dof> J(J_.data() + block.J);
+    const ConstBlock<dof, 1> x_thing(x.data() + block.column);
+    Block<r, 1>(y.data() + block.row) += sign * J.lazyProduct(x_thing);
+  });
+}
+
+// x += J^T y
+void Evaluation::add_Jt(const VectorXd& y, VectorXd& x) const {
+  for_each_block_of_J([&](const Layout::JBlock& block, auto r, auto dof) {
+    const ConstBlock<r, dof> J(J_.data() + block.J);
+    const ConstBlock<r, 1> y_joint(y.data() + block.row);
+    Block<dof, 1>(x.data() + block.column) += J.transpose().lazyProduct(y_joint);
+  });
+}
+
+// K = J W J^T, factored: the joints wrote its diagonal blocks, here are those between two joints.
+void Evaluation::factor(double damping) {
+  double* const K = K_.K().data();
+  alike(K_.size(), [&](auto all_r) {
+    alike(dof_, [&](auto all_dof) {
+      for (const Pair& pair : pairs_)
+        fixed<all_dof>(pair.dof, [&](auto dof) {
+          fixed<all_r>(pair.r_a, [&](auto r_a) {
+            fixed<all_r>(pair.r_b, [&](auto r_b) {
+              const ConstBlock<dof, 1> W(layout_.W.data() + pair.column);
+              const ConstBlock<r_a, dof> J_a(J_.data() + pair.J_a);
+              const ConstBlock<r_b, dof> J_b(J_.data() + pair.J_b);
+              const Eigen::Matrix<double, r_a, dof> J_a_W = J_a * W.asDiagonal();
+              Block<r_a, r_b>(K + pair.K) += J_a_W.lazyProduct(J_b.transpose());
+            });
+          });
+        });
+    });
+  });
+  K_.factor(damping);
+  factored_ = true;
+}
+
+// ---- What is asked of it ----
+
+const Evaluation& Evaluation::checked() const {
+  if (!solved_)
+    throw std::logic_error("asked of an evaluation, but nothing was evaluated since it was made " +
+                           std::string("or lent to project()"));
+  return *this;
+}
+
+void Evaluation::check(const char* who, JointHandle handle) const {
+  if (handle.system != system_)
+    throw std::invalid_argument(std::string(who) + ": a handle of another System, or of none");
+  checked();
+}
+
+VectorXd Evaluation::lambda(JointHandle joint) const {
+  check("lambda", joint);
+  const JointInfo& j = layout_.joints[std::size_t(joint.index)];
+  return lambda_.segment(j.row, j.r);
+}
+
+Vector3d Evaluation::reaction(JointHandle joint, int column) const {
+  check("reaction", joint);
+  Vector3d reaction = Vector3d::Zero();
+  for (const Layout::JBlock& b : layout_.J_blocks)
+    if (b.joint == joint.index && b.column == column)
+      reaction.head(b.dof) =
+          Eigen::Map<const Eigen::MatrixXd>(J_.data() + b.J, b.r, b.dof).transpose() *
+          lambda_.segment(b.row, b.r);
+  return reaction;
+}
+
+double Evaluation::constraint_error() const { return largest(C()) + nan_; }
+
+double Evaluation::velocity_error() const {
+  checked();
+  VectorXd Jv = VectorXd::Zero(layout_.rows);
+  add_J(1, v_, Jv);
+  return largest(Jv) + nan_ + nan_of(v_);
+}
+
+double Evaluation::distance() const {
+  VectorXd mu = C();
+  K_.solve(mu);
+  return std::sqrt(std::max(C_.dot(mu), 0.0)) + nan_;  // max keeps a NaN that comes first
+}
+
+// A row that holds points moves them by C over the size of its gradient there, wherever they are on
+// their things; one that holds angles alone turns its things by C, each as its inertia lets it.
+double Evaluation::opening() const {
+  checked();
+  // Of each row, |J| in the places, and in the angles; the radius by which these count, times that.
+  VectorXd places = VectorXd::Zero(layout_.rows), angles = places, levers = places;
+  for (const Layout::JBlock& block : layout_.J_blocks) {
+    const Eigen::Map<const Eigen::MatrixXd> J(J_.data() + block.J, block.r, block.dof);
+    const double W_I = block.dof == 3 ? layout_.W[block.column + 2] : 0;
+    const double lever = block.dof == 3 ? layout_.radius(block.column) : 0;
+    for (int k = 0; k < block.r; ++k) {
+      const Eigen::Index row = block.row + k;
+      places[row] = std::max(places[row], std::hypot(J(k, 0), J(k, 1)));
+      const double turns = block.dof == 3 ? W_I * J(k, 2) * J(k, 2) : 0;
+      angles[row] += turns;
+      levers[row] += turns * lever;
+    }
+  }
+  double opening = 0;
+  for (Eigen::Index row = 0; row < C_.size(); ++row) {
+    const double per_C = places[row] > 0   ? 1 / places[row]
+                         : angles[row] > 0 ? levers[row] / angles[row]
+                                           : 0;
+    opening = std::max(opening, std::abs(C_[row]) * per_C);
+  }
+  return opening;
+}
+
+Eigen::MatrixXd Evaluation::jacobian() const {
+  checked();
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(layout_.rows, a_.size());
+  for (const Layout::JBlock& b : layout_.J_blocks)
+    J.block(b.row, b.column, b.r, b.dof) =
+        Eigen::Map<const Eigen::MatrixXd>(J_.data() + b.J, b.r, b.dof);
+  J.array() += nan_;
+  return J;
+}
+
+Counts Evaluation::counts() const {
+  checked();
+  const auto bytes = [](const auto&... x) {
+    return (... + (sizeof(x[0]) * static_cast<std::size_t>(x.size())));
+  };
+  const int coordinates = static_cast<int>(a_.size()), rank = K_.rank();
+  return {
+      .things = static_cast<int>(layout_.things.size()),
+      .coordinates = coordinates,
+      .rows = layout_.rows,
+      .rank = rank,
+      .degrees_of_freedom = coordinates - rank,
+      .jacobian_blocks = static_cast<int>(layout_.J_blocks.size()),
+      .factor_blocks = K_.blocks(),
+      .state_bytes = bytes(a_, a_),
+      .workspace_bytes = bytes(things_.particles, things_.bodies, layout_.joints, layout_.J_blocks,
+                               pairs_, layout_.M, layout_.W, F0_, F_, a_, v_, q_, C_, size_,
+                               per_size_, per_root_K_, b_, Jv_, lambda_, mu_, J_) +
+                         K_.bytes()};
+}
+
+std::vector<JointRow> Evaluation::dependent_rows() const {
+  checked();
+  std::vector<JointRow> rows;
+  for (const JointInfo& joint : layout_.joints)
+    for (int k = 0; k < joint.r; ++k)
+      if (K_.independence(joint.row + k) == 0) rows.push_back({joint.name, k + 1});
+  return rows;
+}
+
+RowState Evaluation::row_state(Eigen::Index row) const {
+  if (layout_.joints.empty()) throw std::logic_error("a scene without joints has no rows");
+  const auto joint = std::find_if(layout_.joints.rbegin(), layout_.joints.rend(),
+                                  [&](auto& j) { return j.row <= row; });
+  const int k = static_cast<int>(row) - joint->row;
+  return {{joint->name, k + 1}, joint->unit[k], C_[row], K_.independence(row)};
+}
+
+RowState Evaluation::worst_row() const {
+  checked();
+  Eigen::Index worst = 0;
+  double largest = 0;
+  for (Eigen::Index row = 0; row < C_.size(); ++row) {
+    const double square = K_.diagonal()[row] > 0 ? C_[row] * C_[row] / K_.diagonal()[row] : 0;
+    if (square > largest) worst = row, largest = square;
+  }
+  return row_state(worst);
+}
+
+RowState Evaluation::weakest_row() const {
+  checked();
+  Eigen::Index weakest = 0;
+  for (Eigen::Index row = 1; row < C_.size(); ++row)
+    if (K_.independence(row) < K_.independence(weakest)) weakest = row;
+  return row_state(weakest);
+}
+
+}  // namespace dynamics

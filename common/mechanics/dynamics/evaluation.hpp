@@ -1,0 +1,152 @@
+// Equation 1 in one state: what System::evaluate found there.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "mechanics/dynamics/joint.hpp"
+
+namespace dynamics {
+
+class System;
+
+/// A thing's name, where its coordinates begin in q and v, how many they are, 2 or 3, and its place
+/// among the things of its kind.
+struct ThingInfo {
+  std::string name;
+  int column, dof, index;
+};
+
+/// A row of a joint, counted from 1.
+struct JointRow {
+  std::string joint;
+  int row;
+};
+
+/// How far a row is from holding, and how far it is from depending on others.
+struct RowState {
+  JointRow row;
+  const char* unit;  ///< of C
+  double C;
+  double pivot;  ///< what the rows before it leave of it in the factor: from 1, independent, to 0
+};
+
+/// What the scene holds. rank and degrees_of_freedom are those of one evaluation.
+struct Counts {
+  int things, coordinates, rows, rank, degrees_of_freedom;
+  int jacobian_blocks;          ///< blocks of J: one for each thing of each joint but the world
+  int factor_blocks;            ///< blocks of the lower triangle of J W J^T, with fill
+  std::size_t state_bytes;      ///< q and v
+  std::size_t workspace_bytes;  ///< all that one evaluation touches besides
+};
+
+/// A joint's name, the unit of each of its rows, how many these are, the first of them, and where
+/// its blocks of J and K begin.
+struct JointInfo {
+  std::string name;
+  const char* const* unit;
+  int r, row, J, K;
+};
+
+/// What stands where: things, joints, blocks of J; inertia M of each coordinate and its inverse W.
+struct Layout {
+  /// The part of J in the rows of one joint and the columns of one thing.
+  struct JBlock {
+    int joint, r, row, dof, column, J;
+  };
+  std::vector<ThingInfo> things;
+  std::vector<JointInfo> joints;
+  std::vector<JBlock> J_blocks;
+  VectorXd M, W;
+  int rows = 0, size_of_J = 0;
+
+  double radius(int column) const { return std::sqrt(3 * M[column + 2] * W[column]); }
+};
+
+/// A value that whoever asks owns; `system.evaluate(t, q, v, e)` fills it, and never allocates once
+/// it did so before. It keeps what it was told though the System changes or goes. Its storage also
+/// serves System::project, after which there is nothing to ask: std::logic_error, as before the
+/// first evaluation.
+class Evaluation {
+ public:
+  /// std::invalid_argument where it is then used with another System.
+  explicit Evaluation(const System& system);
+
+  /// The accelerations (m/s^2, rad/s^2), one for each coordinate.
+  const VectorXd& a() const { return checked().a_; }
+  /// C of all rows, in the order in which the joints were added, each in its own unit.
+  const VectorXd& C() const { return checked().C_; }
+  /// lambda of a joint's rows, and the joint's part of J^T lambda on one of its things: (fx, fy) in
+  /// N and the moment in N m about the centre of mass (0 for a particle).
+  VectorXd lambda(JointHandle joint) const;
+  template <class Thing>
+  Vector3d reaction(JointHandle joint, Handle<Thing> thing) const {
+    if constexpr (Thing::dof > 0) check("reaction", {thing.index, thing.system});
+    return reaction(joint, thing.column);
+  }
+
+  /// The largest |C| of all rows, each in its own unit; the largest |J v|.
+  double constraint_error() const;
+  double velocity_error() const;
+  /// sqrt(C^T K^-1 C), the distance to the constraints in the mass metric (m sqrt(kg)).
+  double distance() const;
+  /// How far the joint that is furthest open gapes (m): the way by which a Newton step for each row
+  /// alone brings its points back, or turns its things, in the mass metric, times their radius.
+  double opening() const;
+  /// The whole J. To look at; it allocates.
+  Eigen::MatrixXd jacobian() const;
+
+  Counts counts() const;
+  /// The rows that depend on others, and so have no load.
+  std::vector<JointRow> dependent_rows() const;
+  /// The row that is off by most, as the mass metric compares them, and the one that is closest to
+  /// depending on others. std::logic_error without joints.
+  RowState worst_row() const;
+  RowState weakest_row() const;
+
+ private:
+  friend class System;
+  // Blocks of J of two joints a, b in the same columns: J_a W J_b^T adds to a block of K.
+  struct Pair {
+    int r_a, r_b, dof, column, J_a, J_b, K;
+  };
+
+  const Evaluation& checked() const;
+  void check(const char* who, JointHandle handle) const;
+  Vector3d reaction(JointHandle joint, int column) const;
+  RowState row_state(Eigen::Index row) const;
+
+  void analyse(const System& system);
+  template <class F>
+  void for_each_block_of_J(F&& f) const;
+  void add_J(double sign, const VectorXd& x, VectorXd& y) const;
+  void add_Jt(const VectorXd& y, VectorXd& x) const;
+  void factor(double damping = 0);
+  JointPlace place(const JointInfo& joint);
+
+  void correct(const VectorXd& error, VectorXd& x);
+  double residual(const VectorXd& x) const;
+  void find_metric();
+  void measure_rounding(double start);
+  double relative_error() const;
+  [[noreturn]] void refuse(Eigen::Index open_row) const;
+  void check_closed(const VectorXd& q) const;
+
+  int system_ = 0, revision_ = 0;  // for which its storage was laid out
+  Layout layout_;
+  Things things_;
+  std::vector<Pair> pairs_;
+  BlockLdlt K_;
+  bool factored_ = false;  // K_ is that of some state
+  bool solved_ = false;    // all is that of one state
+  double nan_ = 0;         // NaN where an entry of q is not finite
+  int dof_ = 0;            // of all things; 0 where they differ
+
+  VectorXd v_, a_, F0_, F_, q_;                                       // one entry a coordinate
+  VectorXd C_, size_, per_size_, per_root_K_, b_, Jv_, lambda_, mu_;  // one entry a row
+  VectorXd J_;  // the blocks of J, one behind the other
+};
+
+}  // namespace dynamics

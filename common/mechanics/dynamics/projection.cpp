@@ -1,0 +1,232 @@
+// Back onto the constraints: projection of a state that drifted, and assembly of one that never was
+// on them.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "mechanics/dynamics/system.hpp"
+
+namespace dynamics {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", x);
+  return text;
+}
+
+double largest(const VectorXd& x) {
+  return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+}
+
+}  // namespace
+
+// The largest |x_k| / sqrt(K_kk). The root carries the row's units, so rows of all units compare.
+double Evaluation::residual(const VectorXd& x) const {
+  return x.size() == 0 ? 0 : x.cwiseProduct(per_root_K_).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+}
+
+// Takes down 1 / sqrt(K_kk), the measure of each row; 0 for a row that nothing can move.
+void Evaluation::find_metric() {
+  for (Eigen::Index k = 0; k < per_root_K_.size(); ++k)
+    per_root_K_[k] = 1 / std::sqrt(K_.diagonal()[k] > 0 ? K_.diagonal()[k] : infinity);
+}
+
+// Takes down how large C may be by rounding: about epsilon times the terms that it is the
+// difference of. Where these are 0, say for a wheel at the origin, what a correction of C from
+// `start` leaves there by its own rounding counts instead.
+void Evaluation::measure_rounding(double start) {
+  per_size_ = (size_.array() + start * K_.diagonal().array().sqrt())
+                  .max(std::numeric_limits<double>::min())
+                  .inverse();
+}
+
+// The largest |C| in these terms: about epsilon, whatever the units, when C is rounding.
+double Evaluation::relative_error() const {
+  return C_.size() == 0 ? 0 : C_.cwiseProduct(per_size_).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+}
+
+// x -= W J^T K^-1 error
+void Evaluation::correct(const VectorXd& error, VectorXd& x) {
+  mu_ = error;
+  K_.solve(mu_);
+  F_.setZero();
+  add_Jt(mu_, F_);
+  x -= layout_.W.cwiseProduct(F_);
+}
+
+// The factor of K where it is not known yet, in the state that was looked at last. Nobody asks for
+// b.
+void System::factor_here(Evaluation& e, double damping) const {
+  find_equation(e);
+  e.factor(damping);
+}
+
+// Needs J and J v at q, v, and a factor of K from near them; one from q itself is made when that is
+// not enough. J v of a row is compared, through sqrt(K_kk), with the velocity in the mass metric.
+bool System::project_velocities(VectorXd& v, Evaluation& e) const {
+  const double before = kinetic_energy(v);
+  for (int pass = 1;;
+       ++pass) {  // one is always made: in this metric a light thing's error is small
+    e.correct(e.Jv_, v);
+    e.Jv_.setZero();
+    e.add_J(1, v, e.Jv_);
+    const double rounding = epsilon * std::sqrt(2 * kinetic_energy(v));
+    const double error = e.residual(e.Jv_);
+    if (error <= rounding) return true;
+    if (pass == 3)  // of a scene that is brought to rest, the rounding of what it had
+      return error <= 16 * std::max(rounding, epsilon * std::sqrt(2 * before));
+    if (pass == 1) factor_here(e);
+  }
+}
+
+Projection System::project(double, VectorXd& q, VectorXd& v, Evaluation& e) const {
+  find_constraint(q, v, e);
+  // One factor serves all steps: that of the acceleration before, from very near q, or else one
+  // from q itself. It is renewed when they converge slowly; when that does not help either, C is at
+  // its rounding or cannot be closed.
+  bool renewed = !e.factored_;
+  if (renewed) factor_here(e);
+  e.find_metric();
+  e.measure_rounding(e.residual(e.C_));
+  e.q_ = q;
+  const double error_before = e.relative_error();
+  double error = error_before;
+  int steps = 0;
+  for (; error > epsilon && steps < 12; ++steps) {
+    e.correct(e.C_, q);
+    find_constraint(q, v, e);
+    const double before = std::exchange(error, e.relative_error());
+    if (renewed && !(error < before / 2)) break;
+    renewed = !(error < before / 100);
+    if (renewed && steps == 0) {  // from further away than was thought
+      q = e.q_;
+      find_constraint(q, v, e);
+      error = before;
+    }
+    if (renewed) factor_here(e);
+  }
+  if (!(error <= error_before) || !e.C_.allFinite()) {
+    q = e.q_;
+    return {false, steps};
+  }
+  // A row whose own terms vanish for a moment, as at the origin, has the rounding of its
+  // neighbours.
+  const bool converged = project_velocities(v, e);
+  return {converged &&
+              (error <= 16 * epsilon || e.residual(e.C_) <= 16 * epsilon * e.residual(e.size_)) &&
+              q.allFinite() && v.allFinite(),
+          steps};
+}
+
+Assembly System::assemble(double, VectorXd& q, VectorXd& v) const {
+  Evaluation e(*this);
+  check_lengths(q, v);
+  if (!q.allFinite() || !v.allFinite())
+    throw AssemblyError("cannot assemble: q and v must be finite");
+  constexpr double closed = 64 * epsilon;
+  VectorXd best = q, trial = q, C_best;
+  find_constraint(q, v, e);
+  Assembly report{};
+  report.C_before = largest(e.C_);
+  factor_here(e);
+  e.find_metric();
+  const double start = e.residual(e.C_);
+
+  // Newton's method; whenever a step does not reduce C, K's diagonal is raised (Levenberg and
+  // Marquardt), which shortens the step and turns it to the steepest descent. C is measured
+  // through the diagonal of K, so that rows of all units count alike.
+  e.measure_rounding(0);
+  report.projected = e.relative_error() > closed;
+  double damping = 0;
+  for (int step = 0; report.projected && step < 300 && damping < 1e9; ++step) {
+    find_constraint(best, v, e);
+    e.measure_rounding(std::min(start, e.residual(e.size_)));
+    if (e.relative_error() <= epsilon) break;
+    factor_here(e, damping);
+    e.find_metric();
+    C_best = e.C_;
+    trial = best;
+    e.correct(e.C_, trial);
+    find_constraint(trial, v, e);
+    if (e.C_.cwiseProduct(e.per_root_K_).stableNorm() <
+        C_best.cwiseProduct(e.per_root_K_).stableNorm()) {
+      best = trial;
+      damping = damping > 1e-6 ? damping / 10 : 0;
+    } else {
+      damping = std::max(10 * damping, 1e-3);
+    }
+  }
+
+  find_constraint(best, v, e);
+  e.measure_rounding(std::min(start, e.residual(e.size_)));
+  if (!(e.relative_error() <= closed) || !e.C_.allFinite()) {
+    Eigen::Index worst = 0;
+    e.C_.cwiseProduct(e.per_size_).cwiseAbs().maxCoeff(&worst);
+    e.refuse(worst);
+  }
+  e.check_closed(best);
+  report.moved = largest(best - q);
+  q = best;
+  factor_here(e);  // at q; what follows leaves the factor alone
+  e.find_metric();
+  report.Jv_before = largest(e.Jv_);
+  project_velocities(v, e);
+  return report;
+}
+
+// Throws unless the joints of state q are closed by the scene's own measure too. Rounding, the
+// measure until here, grows with the distance from the origin and with the turns of a body.
+void Evaluation::check_closed(const VectorXd& q) const {
+  constexpr double angle_step = 1e-8, widest = 1e-6;
+  // The size of the scene (m): what it spans, a radius of gyration, a lever. A J in m is one too.
+  double size = 0;
+  for (const ThingInfo& a : layout_.things) {
+    const ThingInfo& b = layout_.things.front();
+    size = std::max(size, largest(q.segment<2>(a.column) - q.segment<2>(b.column)));
+    if (a.dof == 2) continue;
+    size = std::max(size, std::sqrt(layout_.M[a.column + 2] / layout_.M[a.column]));
+    if (epsilon * std::abs(q[a.column + 2]) > angle_step)
+      throw AssemblyError("cannot assemble: " + a.name + " is turned by " +
+                          number(q[a.column + 2]) + " rad, too far for its angle to be exact");
+  }
+  VectorXd J_x = VectorXd::Zero(C_.size()), J_theta = J_x;
+  for (const Layout::JBlock& block : layout_.J_blocks)
+    for (int k = 0; k < block.r; ++k) {
+      const double* J = J_.data() + block.J + k;
+      double &x = J_x[block.row + k], &theta = J_theta[block.row + k];
+      x = std::max({x, std::abs(J[0]), std::abs(J[block.r])});
+      if (block.dof == 3) theta = std::max(theta, std::abs(J[2 * block.r]));
+    }
+  for (const JointInfo& joint : layout_.joints)
+    for (int k = 0; k < joint.r; ++k) {
+      const double x = J_x[joint.row + k], lever = J_theta[joint.row + k] / x;
+      if (x > 0) size = std::max({size, lever, std::string_view(joint.unit[k]) == "m^2" ? x : 0});
+    }
+  for (Eigen::Index k = 0; size > 0 && k < C_.size(); ++k)
+    if (std::abs(C_[k]) > widest * std::max(size * J_x[k], J_theta[k])) refuse(k);
+}
+
+// Throws the AssemblyError of a row that stays open. Around a loop of rows that compare angles the
+// gap is shared, so that they have a whole turn between them.
+void Evaluation::refuse(Eigen::Index open_row) const {
+  const RowState open = row_state(open_row);
+  double angles = 0;
+  for (const JointInfo& joint : layout_.joints)
+    for (int k = 0; k < joint.r; ++k)
+      if (std::string_view(joint.unit[k]) == "rad") angles += std::abs(C_[joint.row + k]);
+  const double turns = angles / (2 * std::acos(-1.0));
+  const bool whole = turns > 0.5 && std::abs(turns - std::round(turns)) < 1e-6 * turns;
+  throw AssemblyError("cannot assemble: " + open.row.joint + " row " +
+                      std::to_string(open.row.row) + " (" + open.unit + ") stays open by " +
+                      number(std::abs(open.C)) +
+                      (whole ? "; the angles are whole turns apart, and are not wrapped" : ""));
+}
+
+}  // namespace dynamics
