@@ -1103,7 +1103,7 @@ TEST_CASE("misuse: what was not evaluated cannot be asked") {
              [&] { e.a(); }, [&] { e.C(); }, [&] { e.lambda(m.pin); },
              [&] { e.reaction(m.pin, m.rod); }, [&] { e.dependent_rows(); }, [&] { e.worst_row(); },
              [&] { e.weakest_row(); }, [&] { e.counts(); }, [&] { e.constraint_error(); },
-             [&] { e.velocity_error(); }, [&] { e.distance(); }, [&] { e.opening(); },
+             [&] { e.velocity_error(v); }, [&] { e.distance(); }, [&] { e.opening(); },
              [&] { e.jacobian(); }})
       CHECK(starts(refused<std::logic_error>(ask), "asked of an evaluation"));
   };

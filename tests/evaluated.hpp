@@ -19,7 +19,7 @@ struct Evaluated : dynamics::System {
   dynamics::Projection project(VectorXd& q, VectorXd& v) { return System::project(0, q, v, e); }
   dynamics::Assembly assemble(VectorXd& q, VectorXd& v) const { return System::assemble(0, q, v); }
   double constraint_error(const VectorXd& q) { return at(q).constraint_error(); }
-  double velocity_error(const VectorXd& q, const VectorXd& v) { return at(q, v).velocity_error(); }
+  double velocity_error(const VectorXd& q, const VectorXd& v) { return at(q, v).velocity_error(v); }
   double distance(const VectorXd& q) { return at(q).distance(); }
   double opening(const VectorXd& q) { return at(q).opening(); }
   Eigen::MatrixXd jacobian(const VectorXd& q) { return at(q).jacobian(); }

@@ -61,16 +61,11 @@ void Evaluation::analyse(const System& system) {
   for (int i = 0; JointInfo & joint : layout_.joints) joint.K = K_.block(i, i), ++i;
 
   F0_ = system.weights();
-  for (VectorXd* x : {&v_, &a_, &F_, &q_}) x->setZero(F0_.size());
+  for (VectorXd* x : {&a_, &F_, &q_}) x->setZero(F0_.size());
   for (VectorXd* x : {&C_, &size_, &per_size_, &per_root_K_, &b_, &Jv_, &lambda_, &mu_})
     x->setZero(layout_.rows);
   J_.setZero(layout_.size_of_J);
   factored_ = solved_ = false;
-}
-
-JointPlace Evaluation::place(const JointInfo& joint) {
-  return {C_.data() + joint.row, size_.data() + joint.row, Jv_.data() + joint.row,
-          b_.data() + joint.row, K_.K().data() + joint.K,  J_.data() + joint.J};
 }
 
 // Calls f(block, r, dof) for each block of J, its size as constants.
@@ -159,19 +154,21 @@ Vector3d Evaluation::reaction(JointHandle joint, int column) const {
   return reaction;
 }
 
-double Evaluation::constraint_error() const { return largest(C()) + nan_; }
+double Evaluation::constraint_error() const { return largest(C()) + nan_of(a_); }
 
-double Evaluation::velocity_error() const {
+double Evaluation::velocity_error(const VectorXd& v) const {
   checked();
+  if (v.size() != a_.size())
+    throw std::invalid_argument("v must have one entry for each coordinate");
   VectorXd Jv = VectorXd::Zero(layout_.rows);
-  add_J(1, v_, Jv);
-  return largest(Jv) + nan_ + nan_of(v_);
+  add_J(1, v, Jv);
+  return largest(Jv) + nan_of(a_) + nan_of(v);
 }
 
 double Evaluation::distance() const {
   VectorXd mu = C();
   K_.solve(mu);
-  return std::sqrt(std::max(C_.dot(mu), 0.0)) + nan_;  // max keeps a NaN that comes first
+  return std::sqrt(std::max(C_.dot(mu), 0.0)) + nan_of(a_);  // max keeps a NaN that comes first
 }
 
 // A row that holds points moves them by C over the size of its gradient there, wherever they are on
@@ -208,7 +205,7 @@ Eigen::MatrixXd Evaluation::jacobian() const {
   for (const Layout::JBlock& b : layout_.J_blocks)
     J.block(b.row, b.column, b.r, b.dof) =
         Eigen::Map<const Eigen::MatrixXd>(J_.data() + b.J, b.r, b.dof);
-  J.array() += nan_;
+  J.array() += nan_of(a_);
   return J;
 }
 
@@ -218,19 +215,18 @@ Counts Evaluation::counts() const {
     return (... + (sizeof(x[0]) * static_cast<std::size_t>(x.size())));
   };
   const int coordinates = static_cast<int>(a_.size()), rank = K_.rank();
-  return {
-      .things = static_cast<int>(layout_.things.size()),
-      .coordinates = coordinates,
-      .rows = layout_.rows,
-      .rank = rank,
-      .degrees_of_freedom = coordinates - rank,
-      .jacobian_blocks = static_cast<int>(layout_.J_blocks.size()),
-      .factor_blocks = K_.blocks(),
-      .state_bytes = bytes(a_, a_),
-      .workspace_bytes = bytes(things_.particles, things_.bodies, layout_.joints, layout_.J_blocks,
-                               pairs_, layout_.M, layout_.W, F0_, F_, a_, v_, q_, C_, size_,
-                               per_size_, per_root_K_, b_, Jv_, lambda_, mu_, J_) +
-                         K_.bytes()};
+  return {.things = static_cast<int>(layout_.things.size()),
+          .coordinates = coordinates,
+          .rows = layout_.rows,
+          .rank = rank,
+          .degrees_of_freedom = coordinates - rank,
+          .jacobian_blocks = static_cast<int>(layout_.J_blocks.size()),
+          .factor_blocks = K_.blocks(),
+          .state_bytes = bytes(a_, a_),
+          .workspace_bytes = bytes(things_.particles, things_.bodies, layout_.joints,
+                                   layout_.J_blocks, pairs_, layout_.M, layout_.W, F0_, F_, a_, q_,
+                                   C_, size_, per_size_, per_root_K_, b_, Jv_, lambda_, mu_, J_) +
+                             K_.bytes()};
 }
 
 std::vector<JointRow> Evaluation::dependent_rows() const {

@@ -87,9 +87,9 @@ class Evaluation {
     return reaction(joint, thing.column);
   }
 
-  /// The largest |C| of all rows, each in its own unit; the largest |J v|.
+  /// The largest |C| of all rows, each in its own unit; the largest |J v| there.
   double constraint_error() const;
-  double velocity_error() const;
+  double velocity_error(const VectorXd& v) const;
   /// sqrt(C^T K^-1 C), the distance to the constraints in the mass metric (m sqrt(kg)).
   double distance() const;
   /// How far the joint that is furthest open gapes (m): the way by which a Newton step for each row
@@ -124,7 +124,10 @@ class Evaluation {
   void add_J(double sign, const VectorXd& x, VectorXd& y) const;
   void add_Jt(const VectorXd& y, VectorXd& x) const;
   void factor(double damping = 0);
-  JointPlace place(const JointInfo& joint);
+  JointPlace place(const JointInfo& joint) {
+    return {C_.data() + joint.row, size_.data() + joint.row, Jv_.data() + joint.row,
+            b_.data() + joint.row, K_.K().data() + joint.K,  J_.data() + joint.J};
+  }
 
   void correct(const VectorXd& error, VectorXd& x);
   double residual(const VectorXd& x) const;
@@ -141,10 +144,9 @@ class Evaluation {
   BlockLdlt K_;
   bool factored_ = false;  // K_ is that of some state
   bool solved_ = false;    // all is that of one state
-  double nan_ = 0;         // NaN where an entry of q is not finite
   int dof_ = 0;            // of all things; 0 where they differ
 
-  VectorXd v_, a_, F0_, F_, q_;                                       // one entry a coordinate
+  VectorXd a_, F0_, F_, q_;                                           // one entry a coordinate
   VectorXd C_, size_, per_size_, per_root_K_, b_, Jv_, lambda_, mu_;  // one entry a row
   VectorXd J_;  // the blocks of J, one behind the other
 };

@@ -204,8 +204,6 @@ void System::evaluate(double t, const VectorXd& q, const VectorXd& v, Evaluation
 
   e.add_Jt(e.lambda_, e.F_);
   e.a_ = layout_.W.cwiseProduct(e.F_) + 0 * q + 0 * v;  // NaN where q or v is not finite
-  e.v_ = v;
-  e.nan_ = nan_of(q);
   e.solved_ = true;
 }
 

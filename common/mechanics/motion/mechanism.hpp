@@ -89,7 +89,7 @@ class Mechanism {
     const Vector F = system.forces(t, q, v);
     return {.energy = system.energy(q, v),
             .constraint_error = e_.constraint_error(),
-            .velocity_error = e_.velocity_error(),
+            .velocity_error = e_.velocity_error(v),
             .work = work ? work(q) : 0.0,
             .kinetic = system.kinetic_energy(v),
             .opening = e_.opening(),
@@ -169,7 +169,6 @@ class Mechanism {
     for (const dynamics::ThingInfo& thing : system.things())
       for (const Vector* part : {&q, &v})
         for (int i = 0; i < thing.dof; ++i) row.state.push_back((*part)[thing.column + i]);
-    system.evaluate(t, q, v, e_);
     poses_.look(t, e_);
     for (const auto& [name, reaction] : reactions_)
       for (const double value : reaction(e_, q)) row.reactions.push_back(value);

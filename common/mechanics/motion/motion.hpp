@@ -162,7 +162,7 @@ concept Model = requires(M model, typename M::Vector& q, typename M::Vector& v, 
   { model.columns() } -> std::same_as<Columns>;
   { model.uses() } -> std::same_as<Uses>;
   model.cover(q, reach);
-  model.observe(0.0, q, v, row);  // fills row.state and row.reactions
+  model.observe(0.0, q, v, row);  // after measures() there: fills row.state and row.reactions
 };
 
 /// A model in motion: the one loop of the tutorial.
@@ -315,8 +315,7 @@ class Motion final : public Simulation {
 
   /// The name of the first such entry of the state.
   std::string first_not_finite() {
-    Row row{t_, {}, {}, {}};
-    model_.observe(t_, q_, v_, row);
+    const Row row = this->row();
     const Columns names = model_.columns();
     for (std::size_t i = 0; i < row.state.size(); ++i)
       if (!std::isfinite(row.state[i])) return names.state[i];
