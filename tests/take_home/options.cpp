@@ -1,0 +1,3 @@
+#include "app/options.hpp"
+
+static_assert(this_is_somebody_elses);
