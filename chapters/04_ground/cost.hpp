@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <string>
 
 #include "instruments/measure/clock.hpp"
@@ -12,16 +11,10 @@
 
 namespace ground {
 
-/// Processor time of one RK4 step [s], the least of several samples.
+/// Processor time of one RK4 step [s].
 inline double seconds_per_step(bool simulate_ground) {
   mechanics::Motion<mechanics::Mechanism> rod(make_pendulum(simulate_ground), {});
-  double best = 1e300;
-  for (int sample = 0; sample < 20; ++sample) {
-    const double before = measure::cpu_seconds();
-    rod.advance(2000, 1e-3);
-    best = std::min(best, (measure::cpu_seconds() - before) / 2000.0);
-  }
-  return best;
+  return measure::seconds_of([&] { rod.advance(100, 1e-3); }) / 100.0;
 }
 
 /// What leaving the ground out saves, as a table.

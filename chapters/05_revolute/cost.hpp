@@ -29,9 +29,8 @@ struct CostTable {
   std::vector<Cost> rows;
 };
 
-/// The smallest of several repeats, of a chain in which every link turns: in one that has just
-/// been released the motion dies out along the chain, down to numbers so small that a processor
-/// slows down on them.
+/// Of a chain in which every link turns: in one that has just been released the motion dies out
+/// along the chain, down to numbers so small that a processor slows down on them.
 template <class Acceleration>
 double seconds_per_step(int links, Acceleration&& acceleration) {
   mechanics::Mechanism chain = make_mechanism({.links = double(links)});
@@ -42,16 +41,7 @@ double seconds_per_step(int links, Acceleration&& acceleration) {
   const auto of_state = [&](double, const VectorXd& q_now, const VectorXd& v_now, VectorXd& a) {
     acceleration(q_now, v_now, a);
   };
-  double best = std::numeric_limits<double>::infinity(), total = 0.0;
-  const long steps = std::max(2L, 2000L / links);
-  for (int repeat = 0; (repeat < 20 && total < 1.0) || total < 0.05; ++repeat) {
-    const double before = measure::cpu_seconds();
-    for (long i = 0; i < steps; ++i) integrator.step(of_state, 0.0, q, v, 1e-6);
-    const double seconds = measure::cpu_seconds() - before;
-    best = std::min(best, seconds / static_cast<double>(steps));
-    total += seconds;
-  }
-  return best;
+  return measure::seconds_of([&] { integrator.step(of_state, 0.0, q, v, 1e-6); });
 }
 
 inline double seconds_in_blocks(int links) {

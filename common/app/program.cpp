@@ -346,20 +346,17 @@ bool is_finite(const mechanics::Row& row) {
 }
 
 /// Processor time of a step [s]: the first of them once more, without anything between, since a
-/// clock takes longer than a step.
+/// clock takes longer than a step. Not a number where there is no whole step.
 double seconds_per_step(const Chapter& chapter, const measure::RunOptions& run) {
+  const long some = std::min(run.whole_steps(), run.method.tolerance > 0.0 ? 1L : 16L);
   const auto simulation = chapter.start(run.method);
-  double best = std::numeric_limits<double>::infinity();
-  const double start = measure::cpu_seconds();
-  for (long batch = 1, done = 0; done + batch <= run.whole_steps(); done += batch, batch *= 2) {
-    const double before = measure::cpu_seconds();
-    const long steps = simulation->steps();
-    simulation->advance(batch, run.step);
-    const double now = measure::cpu_seconds();
-    best = std::min(best, (now - before) / static_cast<double>(simulation->steps() - steps));
-    if (now - start > 2e-3) break;
-  }
-  return best;
+  const double seconds = measure::seconds_of(
+      [&] {
+        simulation->restart();
+        simulation->advance(some, run.step);
+      },
+      {.samples = 4, .most = 2e-3});
+  return seconds / static_cast<double>(simulation->steps());
 }
 
 /// What the scene holds, what a step of it costs, and what was left out.
