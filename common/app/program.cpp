@@ -16,6 +16,7 @@
 #include "app/snapshot.hpp"
 #include "instruments/files/files.hpp"
 #include "instruments/files/progress.hpp"
+#include "instruments/files/table.hpp"
 #include "instruments/measure/clock.hpp"
 #include "instruments/measure/report.hpp"
 #include "instruments/pictures/stability_pictures.hpp"
@@ -296,26 +297,23 @@ class Trajectory {
  public:
   Trajectory(const std::string& name, const mechanics::Columns& columns) {
     if (name != "-") file_.emplace(name);
-    std::string header = "t";
-    for (const std::string& column : columns.state) header += "," + column;
-    header += ",energy,constraint_error,velocity_error";
-    for (const std::string& column : columns.reactions) header += "," + column;
-    put(header + "\n");
+    files::Table::Row header{"t"};
+    header.insert(header.end(), columns.state.begin(), columns.state.end());
+    header.insert(header.end(), {"energy", "constraint_error", "velocity_error"});
+    header.insert(header.end(), columns.reactions.begin(), columns.reactions.end());
+    put(files::csv_line(header));
   }
 
   void add(const mechanics::Row& row) {
-    line_.clear();
-    const auto value = [this](double number) {
-      fmt::format_to(std::back_inserter(line_), "{}{:.17g}", line_.empty() ? "" : ",", number);
-    };
+    cells_.clear();
+    const auto value = [this](double number) { cells_.push_back(files::digits(number, 17)); };
     value(row.t);
     for (const double number : row.state) value(number);
     value(row.measures.energy);
     value(row.measures.constraint_error);
     value(row.measures.velocity_error);
     for (const double number : row.reactions) value(number);
-    line_ += '\n';
-    put(line_);
+    put(files::csv_line(cells_));
   }
 
   void finish() {
@@ -334,7 +332,7 @@ class Trajectory {
   }
 
   std::optional<files::NewFile> file_;
-  std::string line_;
+  files::Table::Row cells_;
 };
 
 bool is_finite(const mechanics::Row& row) {
@@ -346,20 +344,17 @@ bool is_finite(const mechanics::Row& row) {
 }
 
 /// Processor time of a step [s]: the first of them once more, without anything between, since a
-/// clock takes longer than a step.
+/// clock takes longer than a step. Not a number where there is no whole step.
 double seconds_per_step(const Chapter& chapter, const measure::RunOptions& run) {
+  const long some = std::min(run.whole_steps(), run.method.tolerance > 0.0 ? 1L : 16L);
   const auto simulation = chapter.start(run.method);
-  double best = std::numeric_limits<double>::infinity();
-  const double start = measure::cpu_seconds();
-  for (long batch = 1, done = 0; done + batch <= run.whole_steps(); done += batch, batch *= 2) {
-    const double before = measure::cpu_seconds();
-    const long steps = simulation->steps();
-    simulation->advance(batch, run.step);
-    const double now = measure::cpu_seconds();
-    best = std::min(best, (now - before) / static_cast<double>(simulation->steps() - steps));
-    if (now - start > 2e-3) break;
-  }
-  return best;
+  const double seconds = measure::seconds_of(
+      [&] {
+        simulation->restart();
+        simulation->advance(some, run.step);
+      },
+      {.samples = 4, .most = 2e-3});
+  return seconds / static_cast<double>(simulation->steps());
 }
 
 /// What the scene holds, what a step of it costs, and what was left out.

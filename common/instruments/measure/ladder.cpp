@@ -10,11 +10,10 @@
 namespace measure {
 namespace {
 
-/// A run is timed in samples long enough for the clock, of as many runs as that takes; the fastest
-/// of several samples is the one that was disturbed least. They are taken in passes over the whole
-/// ladder, since a machine may be slow for seconds on end; long runs are timed in the first alone.
+/// The samples of a run are taken in passes over the whole ladder, since a machine may be slow for
+/// seconds on end; long runs are timed in the first alone.
 constexpr int samples = 2, passes = 4;
-constexpr double sample_seconds = 5e-4, long_run_seconds = 0.1;
+constexpr double long_run_seconds = 0.1;
 
 /// The largest errors over a run are looked up at no more than this many evenly spaced times, so
 /// that looking costs less than running; the last state is always among them.
@@ -54,20 +53,12 @@ void run_for_errors(mechanics::Simulation& simulation, const Errors& errors,
 }
 
 double run_for_time(mechanics::Simulation& simulation, const Intervals& intervals) {
-  const auto sample = [&](long runs) {
-    const double before = cpu_seconds();
-    for (long run = 0; run < runs; ++run) {
-      simulation.restart();
-      simulation.advance(intervals.number, intervals.length);
-    }
-    return cpu_seconds() - before;
-  };
-  long runs = 1;
-  double seconds = sample(runs);
-  while (seconds < sample_seconds) seconds = sample(runs *= 2);
-  double best = seconds;
-  for (int i = 1; i < samples; ++i) best = std::min(best, sample(runs));
-  return best / static_cast<double>(runs);
+  return seconds_of(
+      [&] {
+        simulation.restart();
+        simulation.advance(intervals.number, intervals.length);
+      },
+      {.samples = samples, .most = std::numeric_limits<double>::infinity()});
 }
 
 }  // namespace

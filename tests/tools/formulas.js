@@ -1,6 +1,6 @@
 // Checks every formula of the documents with KaTeX, which refuses TeX that it does not know.
 //
-//   node tests/formulas.js KATEX FILE.md...
+//   node tests/tools/formulas.js KATEX FILE.md...
 //
 // KATEX is the folder of the Node.js module.
 //

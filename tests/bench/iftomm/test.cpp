@@ -1,6 +1,5 @@
 #include "catch.hpp"
 #include "exact.hpp"
-#include "instruments/measure/clock.hpp"
 #include "orders.hpp"
 
 using iftomm::End;

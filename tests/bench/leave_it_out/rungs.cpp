@@ -88,23 +88,16 @@ std::vector<Rung> slider_crank_ladder() {
 
 std::vector<Cost> measure_costs(const std::vector<Rung>& rungs) {
   std::vector<Cost> costs;
-  std::vector<int> steps;  // in a sample of half a millisecond or more
   for (const Rung& rung : rungs) {
     rung.step();  // the first fixes the storage
     const long before = allocations();
-    const double start = measure::cpu_seconds();
     rung.step();
-    const double seconds = measure::cpu_seconds() - start;
     costs.push_back({std::numeric_limits<double>::infinity(), allocations() - before});
-    steps.push_back(std::max(1, static_cast<int>(5e-4 / seconds)));
   }
   for (int sample = 0; sample < 40; ++sample)
-    for (std::size_t i = 0; i < rungs.size(); ++i) {
-      if (sample > 4 && costs[i].seconds > 0.05) continue;
-      const double start = measure::cpu_seconds();
-      for (int n = 0; n < steps[i]; ++n) rungs[i].step();
-      costs[i].seconds = std::min(costs[i].seconds, (measure::cpu_seconds() - start) / steps[i]);
-    }
+    for (std::size_t i = 0; i < rungs.size(); ++i)
+      costs[i].seconds =
+          std::min(costs[i].seconds, measure::seconds_of(rungs[i].step, {.samples = 1}));
   return costs;
 }
 
