@@ -39,11 +39,13 @@ TEST_CASE("a scene that is put together wrongly says what is wrong, and names it
   // A rod that is held at both ends, by pins further apart than its ends are.
   system.add("left", Revolute{.u1 = {-0.5, 0}, .u2 = {-0.5, 0}}, rod);
   system.add("right", Revolute{.u1 = {0.5, 0}, .u2 = {0.7, 0}}, rod);
-  CHECK(says([&] { system.assemble(q, v); }) ==
+  CHECK(says([&] { system.assemble(0, q, v); }) ==
         "cannot assemble: left row 1 (m) stays open by 0.1");
 
   // A thing that comes after q was taken has no place in it.
   system.add_particle("bead", 1, {1, 0});
-  CHECK(says([&] { system.project(q, v); }) == "q and v must have one entry for each coordinate");
+  dynamics::Evaluation e(system);
+  CHECK(says([&] { system.evaluate(0, q, v, e); }) ==
+        "q and v must have one entry for each coordinate");
   // [messages]
 }

@@ -53,10 +53,15 @@ int main() try {
 
   // [loop]
   VectorXd q = system.initial_q(), v = system.initial_v();
-  system.assemble(q, v);
+  system.assemble(0, q, v);
   const double& theta = q[crank_bar.column + 2];  // x, y, theta: of each body three
   const double& psi = q[rocker_bar.column + 2];
   const double theta0 = theta, energy0 = system.energy(q, v);
+  dynamics::Evaluation e(system);
+  const auto acceleration = [&](double t, const VectorXd& x, const VectorXd& w, VectorXd& a) {
+    system.evaluate(t, x, w, e);
+    a = e.a();
+  };
   integrators::Rk4<VectorXd> rk4(q);
   std::puts("    t [s]  crank [rad]  rocker [rad]  rocker - exact [rad]  energy - work [J]");
   for (int step = 0; step <= 1000; ++step) {
@@ -64,10 +69,8 @@ int main() try {
     if (step % 125 == 0)
       std::printf("%9.3f %12.6f %13.6f %21.1e %18.1e\n", t, theta, psi, psi - rocker_angle(theta),
                   system.energy(q, v) - energy0 - torque * (theta - theta0));
-    rk4.step([&](double at, const VectorXd& x, const VectorXd& w,
-                 VectorXd& a) { system.acceleration(at, x, w, a); },
-             t, q, v, h);
-    system.project(q, v);
+    rk4.step(acceleration, t, q, v, h);
+    system.project(t + h, q, v, e);
   }
   // [loop]
 } catch (const std::exception& error) {
