@@ -127,6 +127,18 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("an exact answer of a chapter knows parameters and mathematics") {
+  for (const fs::path& file : sources("chapters")) {
+    const std::string name = file.filename();
+    if (!name.starts_with("exact") && name != "scene.hpp") continue;
+    for (const std::string& included : includes(file)) {
+      INFO(file << " includes " << included);
+      CHECK_FALSE(starts_with_any(included, {"app/", "instruments/", "mechanics/"}));
+      CHECK_FALSE(starts_with_any(included, {"study", "mechanism"}));
+    }
+  }
+}
+
 TEST_CASE("pictures have no shape of Dear ImGui's own, whose edges differ between processors") {
   const std::regex shape("(->|\\.)(Add|Path)(?!Text\\b|FontFrom)\\w+\\(");
   for (const fs::path& file : sources("common/instruments/draw")) {

@@ -1,53 +1,39 @@
 // Chapter 1: a particle on a curve, held there by the force that its constraint asks for.
-//
-// The particle has two coordinates, the curve takes one away: C(x, y) = x² + 2py = 0. The model
-// computes the one force along ∇C that keeps C̈ = 0; see implicit_bead.hpp.
 
-#include "app/chapter.hpp"
+#include <cmath>
+#include <cstdio>
+#include <valarray>
+
 #include "exact.hpp"
-#include "implicit_bead.hpp"
-#include "pictures.hpp"
-#include "stability.hpp"
+#include "study.hpp"
+
+// [loop]
+using State = std::valarray<double>;           // x, y [m], vx, vy [m/s]
+constexpr double m = 1.0, g = 9.81, p = 50.0;  // [kg], [m/s²], [m]
+
+/// How the bead moves on C = x² + 2py = 0: its velocity, and the acceleration by its weight and by
+/// the force λ∇C of the wire, ∇C = (2x, 2p).
+State rate(const State& now) {
+  const double x = now[0], vx = now[2], vy = now[3];
+  const double lambda = -(2 * m * vx * vx + 2 * p * m * g) / (4 * x * x + 4 * p * p);
+  return {vx, vy, lambda * 2 * x / m, g + lambda * 2 * p / m};
+}
 
 int main(int argc, char** argv) {
-  parabola::Scene scene;
-  app::Chapter chapter;
-  chapter.directory = "01_particle_on_curve_implicit";
-  chapter.title = "Particle on a curve, implicit";
+  if (argc > 1) return particle_on_curve::study(argc, argv);
 
-  chapter.parameters = {
-      {"--x0", "m", "start, at rest", &scene.x0, app::any},
-      {"--mass", "kg", "mass of the particle", &scene.mass, app::positive, app::acts},
-      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, app::not_negative, app::acts},
-      {"--p", "m", "half the parameter of the parabola x² + 2py = 0", &scene.p, app::positive},
-      {"--force-x", "N", "constant horizontal force", &scene.force_x, app::any, app::acts},
-  };
-  chapter.defaults = {.duration = 20.0, .step = 0.01};
-  chapter.constraint_unit = "m²";
-  chapter.fastest = [&scene] { return scene.fastest(); };
+  const double h = 0.01;
+  State bead{100.0, -100.0, 0.0, 0.0};
+  for (int step = 0; step < 2000; ++step) {  // by the classical Runge–Kutta method
+    const State k1 = rate(bead), k2 = rate(bead + h / 2 * k1), k3 = rate(bead + h / 2 * k2),
+                k4 = rate(bead + h * k3);
+    bead += h / 6 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+  }
 
-  chapter.start = [&scene](const mechanics::Method& method) {
-    return std::make_unique<mechanics::Motion<parabola::ImplicitBead>>(
-        parabola::ImplicitBead(scene, method.ks, method.kd), method);
-  };
-
-  chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}, {"constraint force", "N"}};
-  chapter.errors = [&scene](const mechanics::Row& row) {
-    return particle_on_curve::errors(scene, row);
-  };
-
-  chapter.ladder = {.methods = measure::methods_to_compare(4.0, 4.0),
-                    .duration = 10.0,
-                    .coarsest = 0.5,
-                    .rungs = 16};
-
-  chapter.stability = particle_on_curve::stability;
-
-  chapter.pictures = [&scene](const measure::RunOptions& run) {
-    return particle_on_curve::pictures(scene, run);
-  };
-  chapter.stage = [&scene](const measure::RunOptions& run) {
-    return particle_on_curve::stage(scene, run);
-  };
-  return app::run_chapter(argc, argv, chapter);
+  const auto [x, v, force] = particle_on_curve::exact({}, parabola::ExactMotion({}), 2000 * h);
+  std::printf("after 20 s the bead is at (%.9f, %.9f) m\n", bead[0], bead[1]);
+  std::printf("the exact answer is       (%.9f, %.9f) m\n", x.x(), x.y());
+  std::printf("error %.1e m, off the curve by C = %.1e m²\n",
+              std::hypot(bead[0] - x.x(), bead[1] - x.y()), bead[0] * bead[0] + 2 * p * bead[1]);
 }
+// [loop]

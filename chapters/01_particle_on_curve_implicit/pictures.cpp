@@ -1,30 +1,21 @@
-#include "pictures.hpp"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "erratum.hpp"
-#include "exact_motion.hpp"
+#include "exact.hpp"
 #include "held_bead.hpp"
 #include "implicit_bead.hpp"
-#include "instruments/draw/canvas.hpp"
-#include "instruments/draw/page.hpp"
+#include "instruments/pictures/lesson.hpp"
+#include "study.hpp"
 #include "track.hpp"
 #include "turned_off.hpp"
 
 namespace particle_on_curve {
 namespace {
 
-using draw::Canvas;
-using Eigen::Vector2d;
-using measure::RunOptions;
-using mechanics::Stabilization;
+using namespace pictures::lesson;
 using parabola::ImplicitBead;
-using parabola::point;
 using parabola::Scene;
-using pictures::Picture;
 
 using Motion = mechanics::Motion<ImplicitBead>;
 

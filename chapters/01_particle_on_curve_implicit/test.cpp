@@ -11,12 +11,13 @@
 #include "exact.hpp"
 #include "implicit_bead.hpp"
 #include "instruments/measure/ladder.hpp"
+#include "instruments/pictures/stage.hpp"
+#include "main_check.hpp"
 #include "mechanics/integrators/amplification.hpp"
 #include "orders.hpp"
 #include "picture_check.hpp"
-#include "pictures.hpp"
-#include "stability.hpp"
 #include "stability_check.hpp"
+#include "study.hpp"
 #include "turned_off.hpp"
 
 using Eigen::Vector2d;
@@ -234,6 +235,13 @@ TEST_CASE("a horizontal force exposes the misprint, gravity alone hides it") {
   CHECK(off(5.0).first > 100.0);
   CHECK(off(5.0).second < 1e-4);
   CHECK(off(0.0).first == Approx(off(0.0).second).epsilon(1e-6));
+}
+
+TEST_CASE("the loop in main ends where the exact motion does") {
+  const std::string text = printed_by("01_particle_on_curve_implicit");
+  CHECK(std::abs(number_after(text, "the bead is at (") - ExactMotion({}).at(20.0).q) < 1e-7);
+  CHECK(number_after(text, "error") < 1e-7);
+  CHECK(std::abs(number_after(text, "C =")) < 1e-5);
 }
 
 TEST_CASE("position, velocity and constraint force converge with the order of the integrator") {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "exact_motion.hpp"
+#include "exact.hpp"
 #include "implicit_bead.hpp"
 
 namespace parabola {

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "instruments/draw/canvas.hpp"
+#include "instruments/pictures/lesson.hpp"
 #include "scene.hpp"
 
 namespace parabola {
@@ -27,6 +27,6 @@ void draw_track(draw::Canvas& canvas, const Scene& scene, const draw::View& view
 void draw_bead(draw::Canvas& canvas, const Scene& scene, const Eigen::Vector2d& x,
                double presence = 1.0);
 
-inline draw::Point point(const Eigen::Vector2d& x) { return {x.x(), x.y()}; }
+using pictures::lesson::point;
 
 }  // namespace parabola

@@ -1,54 +1,36 @@
-// Chapter 2: the same particle, described by the one coordinate that it really has.
-//
-// With q the way along x, the curve is built into the coordinates: no constraint, no constraint
-// force, no drift off the curve. See parametric_bead.hpp for the equation of motion.
+// Chapter 2: the same particle, described by the one coordinate that it really has. With q the way
+// along x the curve is built in: no constraint, no constraint force, no drift off the curve.
 
-#include "app/chapter.hpp"
-#include "exact.hpp"
-#include "parametric_bead.hpp"
-#include "pictures.hpp"
-#include "stability.hpp"
+#include <cstdio>
+
+#include "01_particle_on_curve_implicit/exact.hpp"
+#include "study.hpp"
+
+// [loop]
+constexpr double g = 9.81, p = 50.0;  // [m/s²], [m]
+
+/// q̈ by Lagrange's equation; the mass cancels.
+double acceleration(double q, double qdot) {
+  return (-q * qdot * qdot - p * g * q) / (p * p + q * q);
+}
 
 int main(int argc, char** argv) {
-  parabola::Scene scene;
-  app::Chapter chapter;
-  chapter.directory = "02_parametric_lagrangian";
-  chapter.title = "Particle on a curve, parametric Lagrangian";
+  if (argc > 1) return parametric_lagrangian::study(argc, argv);
 
-  chapter.parameters = {
-      {"--x0", "m", "start, at rest", &scene.x0, app::any},
-      {"--mass", "kg", "mass of the particle", &scene.mass, app::positive, app::acts},
-      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, app::not_negative, app::acts},
-      {"--p", "m", "half the parameter of the parabola x² + 2py = 0", &scene.p, app::positive},
-      {"--force-x", "N", "constant horizontal force", &scene.force_x, app::any, app::acts},
-  };
-  chapter.defaults = {.duration = 20.0, .step = 0.01};
-  chapter.has_constraints = false;
-  chapter.constraint_unit = "m²";
-  chapter.fastest = [&scene] { return scene.fastest(); };
+  const double h = 0.01;
+  double q = 100.0, v = 0.0;
+  for (int step = 0; step < 2000; ++step) {  // by the classical Runge–Kutta method
+    const double a1 = acceleration(q, v);
+    const double v2 = v + h / 2 * a1, a2 = acceleration(q + h / 2 * v, v2);
+    const double v3 = v + h / 2 * a2, a3 = acceleration(q + h / 2 * v2, v3);
+    const double v4 = v + h * a3, a4 = acceleration(q + h * v3, v4);
+    q += h / 6 * (v + 2 * v2 + 2 * v3 + v4);
+    v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+  }
 
-  using parametric_lagrangian::ParametricBead;
-  chapter.start = [&scene](const mechanics::Method& method) {
-    return std::make_unique<mechanics::Motion<ParametricBead>>(ParametricBead(scene), method);
-  };
-
-  chapter.quantities = {{"q", "m"}, {"dq/dt", "m/s"}};
-  chapter.errors = [&scene](const mechanics::Row& row) {
-    return parametric_lagrangian::errors(scene, row);
-  };
-
-  chapter.ladder = {
-      .methods = measure::every_integrator(), .duration = 10.0, .coarsest = 0.5, .rungs = 16};
-  chapter.ladder.methods.push_back(
-      {.integrator = integrators::Scheme::dop853, .tolerance = mechanics::coarsest_tolerance});
-
-  chapter.stability = parametric_lagrangian::stability;
-
-  chapter.pictures = [&scene](const measure::RunOptions& run) {
-    return parametric_lagrangian::pictures(scene, run);
-  };
-  chapter.stage = [&scene](const measure::RunOptions& run) {
-    return parametric_lagrangian::stage(scene, run);
-  };
-  return app::run_chapter(argc, argv, chapter);
+  const double exact = parabola::ExactMotion({}).at(2000 * h).q;
+  std::printf("after 20 s q = %.12f m\n", q);
+  std::printf("exactly    q = %.12f m\n", exact);
+  std::printf("error %.1e m\n", q - exact);
 }
+// [loop]

@@ -1,29 +1,21 @@
-#include "pictures.hpp"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "01_particle_on_curve_implicit/exact_motion.hpp"
+#include "01_particle_on_curve_implicit/exact.hpp"
 #include "01_particle_on_curve_implicit/held_bead.hpp"
 #include "01_particle_on_curve_implicit/implicit_bead.hpp"
 #include "01_particle_on_curve_implicit/track.hpp"
-#include "instruments/draw/canvas.hpp"
-#include "instruments/draw/page.hpp"
+#include "instruments/pictures/lesson.hpp"
 #include "parametric_bead.hpp"
+#include "study.hpp"
 #include "turned_off.hpp"
 
 namespace parametric_lagrangian {
 namespace {
 
-using draw::Canvas;
-using Eigen::Vector2d;
-using measure::RunOptions;
+using namespace pictures::lesson;
 using parabola::ImplicitBead;
-using parabola::point;
 using parabola::Scene;
-using pictures::Picture;
 
 using Implicit = mechanics::Motion<ImplicitBead>;
 using Parametric = mechanics::Motion<ParametricBead>;

@@ -2,17 +2,18 @@
 #include <cmath>
 #include <random>
 
+#include "01_particle_on_curve_implicit/exact.hpp"
 #include "01_particle_on_curve_implicit/implicit_bead.hpp"
 #include "allocations.hpp"
 #include "catch.hpp"
-#include "exact.hpp"
 #include "instruments/measure/ladder.hpp"
+#include "instruments/pictures/stage.hpp"
+#include "main_check.hpp"
 #include "orders.hpp"
 #include "parametric_bead.hpp"
 #include "picture_check.hpp"
-#include "pictures.hpp"
-#include "stability.hpp"
 #include "stability_check.hpp"
+#include "study.hpp"
 
 using Eigen::Vector2d;
 using mechanics::Method;
@@ -41,6 +42,13 @@ struct Random {
 };
 
 }  // namespace
+
+TEST_CASE("the loop in main ends where the exact motion does") {
+  const std::string text = printed_by("02_parametric_lagrangian");
+  const double exact = parabola::ExactMotion({}).at(20.0).q;
+  CHECK(std::abs(number_after(text, "q = ") - exact) < 1e-8);
+  CHECK(std::abs(number_after(text, "error")) < 1e-8);
+}
 
 TEST_CASE("the equation of motion is Lagrange's: d/dt ∂L/∂q̇ = ∂L/∂q, by finite differences of L") {
   Random number;

@@ -1,56 +1,49 @@
-// Chapter 3: one solver for any set of constraints.
-//
-// Two beads on the parabola of chapter 1, joined by a rigid rod: three constraints that push
-// against each other. Their rows form one Jacobian J, and one equation gives all forces at once,
-//
-//   (J W Jᵀ) λ = − J̇v − J W F;   see scene.hpp for the scene and dynamics/system.hpp for the
-//   solver.
+// Chapter 3: one solver for any set of constraints. Two beads on the parabola of chapter 1, joined
+// by a rigid rod: three constraints that push against each other.
 
-#include "app/chapter.hpp"
+#include <cstdio>
+
 #include "exact.hpp"
-#include "pictures.hpp"
-#include "scene.hpp"
-#include "stability.hpp"
+#include "mechanics/dynamics/system.hpp"
+#include "mechanics/integrators/rk4.hpp"
+#include "mechanics/joints/distance.hpp"
+#include "mechanics/joints/on_curve.hpp"
+#include "study.hpp"
+
+using Eigen::Vector2d, Eigen::VectorXd;
 
 int main(int argc, char** argv) {
-  dumbbell::Scene scene;
-  app::Chapter chapter;
-  chapter.directory = "03_global_jacobian_solver";
-  chapter.title = "The global Jacobian solver";
+  if (argc > 1) return dumbbell::study(argc, argv);
 
-  chapter.parameters = {
-      {"--x1", "m", "start of bead1, at rest", &scene.x1, app::any},
-      {"--x2", "m", "start of bead2, at rest", &scene.x2, app::any},
-      {"--m1", "kg", "mass of bead1", &scene.m1, app::positive, app::acts},
-      {"--m2", "kg", "mass of bead2", &scene.m2, app::positive, app::acts},
-      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, app::not_negative, app::acts},
-      {"--p", "m", "half the parameter of the parabola x² + 2py = 0", &scene.p, app::positive},
+  // [loop]
+  const double p = 50.0;  // [m]
+  const Vector2d x1(20.0, -20.0 * 20.0 / (2 * p)), x2(60.0, -60.0 * 60.0 / (2 * p));
+  dynamics::System system;
+  const auto bead1 = system.add_particle("bead1", 1.0, x1);
+  const auto bead2 = system.add_particle("bead2", 2.0, x2);
+  system.add("bead1_curve", joints::OnCurve<joints::Parabola>{{p}}, bead1);
+  system.add("bead2_curve", joints::OnCurve<joints::Parabola>{{p}}, bead2);
+  system.add("bead1_bead2", joints::Distance{.length = (x2 - x1).norm()}, bead1, bead2);
+  system.set_gravity({0, 9.81});
+
+  VectorXd q = system.initial_q(), v = system.initial_v();
+  integrators::Rk4<VectorXd> rk4(q);
+  dynamics::Evaluation e(system);
+  const auto equation = [&](double t, const VectorXd& x, const VectorXd& xdot, VectorXd& a) {
+    system.evaluate(t, x, xdot, e);
+    a = e.a();
   };
-  chapter.defaults = {.duration = 20.0, .step = 0.01};
-  chapter.constraint_unit = "m²";
-  chapter.fastest = [&scene] {  // of a bead alone, from the higher start
-    const double x0 = std::max(std::abs(scene.x1), std::abs(scene.x2));
-    return parabola::Scene{.x0 = x0, .gravity = scene.gravity, .p = scene.p}.fastest();
-  };
+  const double h = 0.01;
+  for (int step = 0; step < 2000; ++step) {
+    rk4.step(equation, step * h, q, v, h);
+    system.project((step + 1) * h, q, v, e);
+  }
+  system.evaluate(2000 * h, q, v, e);
 
-  chapter.start = [&scene](const mechanics::Method& method) {
-    return std::make_unique<mechanics::Motion<mechanics::Mechanism>>(
-        dumbbell::make_mechanism(scene, method), method);
-  };
-
-  chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}, {"constraint forces", "N"}};
-  chapter.errors = [&scene](const mechanics::Row& row) { return dumbbell::errors(scene, row); };
-
-  chapter.ladder = {.methods = measure::methods_to_compare(1.0, 2.0),
-                    .duration = 10.0,
-                    .coarsest = 0.5,
-                    .rungs = 16};
-
-  chapter.stability = dumbbell::stability;
-
-  chapter.pictures = [&scene](const measure::RunOptions& run) {
-    return dumbbell::pictures(scene, run);
-  };
-  chapter.stage = [&scene](const measure::RunOptions& run) { return dumbbell::stage(scene, run); };
-  return app::run_chapter(argc, argv, chapter);
+  const dumbbell::Exact exact = dumbbell::ExactMotion({}).at(2000 * h);
+  std::printf("after 20 s bead1 is at (%.9f, %.9f) m\n", q[0], q[1]);
+  std::printf("the exact answer is    (%.9f, %.9f) m\n", exact.x1.x(), exact.x1.y());
+  std::printf("error %.1e m, largest |C| %.1e m²\n", (q.head<2>() - exact.x1).norm(),
+              e.constraint_error());
+  // [loop]
 }

@@ -1,29 +1,22 @@
-#include "pictures.hpp"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "01_particle_on_curve_implicit/exact_motion.hpp"
+#include "01_particle_on_curve_implicit/exact.hpp"
 #include "01_particle_on_curve_implicit/implicit_bead.hpp"
 #include "01_particle_on_curve_implicit/track.hpp"
 #include "exact.hpp"
-#include "instruments/draw/canvas.hpp"
-#include "instruments/draw/page.hpp"
 #include "instruments/pictures/jacobian.hpp"
+#include "instruments/pictures/lesson.hpp"
 #include "instruments/pictures/mechanism_stage.hpp"
+#include "mechanism.hpp"
+#include "study.hpp"
 #include "turned_off.hpp"
 
 namespace dumbbell {
 namespace {
 
-using draw::Canvas;
-using measure::RunOptions;
-using mechanics::Stabilization;
-using parabola::point;
+using namespace pictures::lesson;
 using pictures::figure;
-using pictures::Picture;
 
 using Motion = mechanics::Motion<mechanics::Mechanism>;
 

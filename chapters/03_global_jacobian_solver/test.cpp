@@ -5,18 +5,20 @@
 #include <numbers>
 #include <random>
 
-#include "01_particle_on_curve_implicit/exact_motion.hpp"
+#include "01_particle_on_curve_implicit/exact.hpp"
 #include "01_particle_on_curve_implicit/implicit_bead.hpp"
 #include "allocations.hpp"
 #include "catch.hpp"
 #include "exact.hpp"
 #include "instruments/measure/ladder.hpp"
+#include "instruments/pictures/stage.hpp"
+#include "main_check.hpp"
+#include "mechanics/joints/distance.hpp"
+#include "mechanism.hpp"
 #include "orders.hpp"
 #include "picture_check.hpp"
-#include "pictures.hpp"
-#include "scene.hpp"
-#include "stability.hpp"
 #include "stability_check.hpp"
+#include "study.hpp"
 #include "turned_off.hpp"
 
 using dumbbell::Exact;
@@ -107,6 +109,14 @@ Reference reference(const ByAngle& way, double part, const Real& exact_t) {
 }
 
 }  // namespace
+
+TEST_CASE("the loop in main ends where the exact motion does") {
+  const std::string text = printed_by("03_global_jacobian_solver");
+  const Exact exact = dumbbell::ExactMotion({}).at(20.0);
+  CHECK(std::abs(number_after(text, "bead1 is at (") - exact.x1.x()) < 1e-7);
+  CHECK(number_after(text, "error") < 1e-7);
+  CHECK(number_after(text, "largest |C|") < 1e-11);
+}
 
 TEST_CASE("the exact motion agrees with a second derivation, over many swings") {
   // The last three: a rod so long that its level place is the top of a hill, with a well on each

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scene.hpp"
+#include "mechanism.hpp"
 
 namespace dumbbell {
 

@@ -1,69 +1,48 @@
-// Chapter 4: ground. A plate held in its place: the reaction to a load, the way back from a wrong
-// start, and what it saves to leave out of the system what does not move. See scene.hpp.
+// Chapter 4: ground. A plate that starts off its place is brought back by the feedback of its
+// ground joint, while a load pulls at its right edge.
 
-#include "app/chapter.hpp"
-#include "cost.hpp"
+#include <cmath>
+#include <cstdio>
+
 #include "exact.hpp"
-#include "instruments/files/files.hpp"
-#include "pictures.hpp"
-#include "scene.hpp"
-#include "stability.hpp"
+#include "mechanics/dynamics/system.hpp"
+#include "mechanics/integrators/rk4.hpp"
+#include "mechanics/joints/ground.hpp"
+#include "study.hpp"
 
-namespace {
-
-/// What leaving the ground out saves: a table, printed and saved as left_out.txt.
-void report_left_out(const std::filesystem::path& out) {
-  const std::string table = ground::left_out_table();
-  files::write_file(out / "left_out.txt", table);
-  fmt::print("\n{}\n{}\n", table, (out / "left_out.txt").string());
-}
-
-}  // namespace
+using Eigen::Vector2d, Eigen::Vector3d, Eigen::VectorXd;
 
 int main(int argc, char** argv) {
-  using mechanics::Stabilization;
-  ground::Scene scene;
-  mechanics::Method current;  // of the simulation last started: the exact answer depends on it
-  app::Chapter chapter;
-  chapter.directory = "04_ground";
-  chapter.title = "Ground";
+  if (argc > 1) return ground::study(argc, argv);
 
-  const app::Range length{-1e6, 1e6};
-  chapter.parameters = {
-      {"--load", "N", "largest load at the right edge's midpoint, load·sin 2t", &scene.load,
-       app::any, app::acts},
-      {"--offset-x", "m", "start off the place, along x", &scene.offset_x, length},
-      {"--offset-y", "m", "start off the place, along y", &scene.offset_y, length},
-      {"--offset-theta", "rad", "start turned", &scene.offset_theta, length},
+  // [loop]
+  const double width = 0.6, height = 0.4, mass = 2.0;  // [m], [kg]
+  dynamics::System system;
+  const auto plate = system.add_body("plate", mass, mass * (width * width + height * height) / 12,
+                                     {0.05, -0.03}, 0.2);
+  system.add("plate_ground", joints::Ground{}, plate);
+  system.set_gravity({0, 9.81});
+  system.apply(plate, [=](double t, const dynamics::Body& body) {
+    const Vector2d arm = body.A * Vector2d(width / 2, 0), F(0, 5 * std::sin(2 * t));
+    return Vector3d(F.x(), F.y(), arm.x() * F.y() - arm.y() * F.x());
+  });
+  system.set_feedback(25, 10);  // C̈ + 10 Ċ + 25 C = 0
+
+  VectorXd q = system.initial_q(), v = system.initial_v();
+  integrators::Rk4<VectorXd> rk4(q);
+  dynamics::Evaluation e(system);
+  const auto equation = [&](double t, const VectorXd& x, const VectorXd& xdot, VectorXd& a) {
+    system.evaluate(t, x, xdot, e);
+    a = e.a();
   };
-  chapter.defaults = {.duration = 5.0, .step = 0.01};
-  chapter.constraint_unit = "m or rad";
+  const double h = 0.01;
+  for (int step = 0; step < 100; ++step) rk4.step(equation, step * h, q, v, h);
 
-  chapter.start = [&](const mechanics::Method& method) {
-    current = method;
-    return std::make_unique<mechanics::Motion<mechanics::Mechanism>>(
-        ground::make_mechanism(scene, method), method);
-  };
-
-  chapter.quantities = {
-      {"position", "m"}, {"angle", "rad"}, {"reaction force", "N"}, {"reaction moment", "N·m"}};
-  chapter.errors = [&](const mechanics::Row& row) { return ground::errors(scene, current, row); };
-
-  chapter.ladder = {.methods = measure::every_integrator(Stabilization::feedback, 25.0, 10.0),
-                    .duration = 1.0,
-                    .coarsest = 0.05,
-                    .rungs = 15};
-  chapter.ladder.methods.push_back({integrators::Scheme::dop853, Stabilization::feedback, 25.0,
-                                    10.0, mechanics::coarsest_tolerance});
-  chapter.before_report = [&] {  // a plate in its place has no error to measure
-    if (scene.offset().isZero())
-      scene.offset_x = 0.05, scene.offset_y = -0.03, scene.offset_theta = 0.2;
-  };
-  chapter.also_report = report_left_out;
-
-  chapter.stability = ground::stability;
-
-  chapter.pictures = [&](const measure::RunOptions& run) { return ground::pictures(scene, run); };
-  chapter.stage = [&](const measure::RunOptions& run) { return ground::stage(scene, run); };
-  return app::run_chapter(argc, argv, chapter);
+  const ground::Scene off{.offset_x = 0.05, .offset_y = -0.03, .offset_theta = 0.2};
+  const Vector3d exact = ground::exact(off, ground::decay(25, 10, 100 * h), 100 * h).q;
+  std::printf("after 1 s the plate is at (%.9f, %.9f) m, turned by %.9f rad\n", q[0], q[1], q[2]);
+  std::printf("the exact answer is       (%.9f, %.9f) m,           %.9f rad\n", exact.x(),
+              exact.y(), exact.z());
+  std::printf("error %.1e\n", (q - exact).norm());
+  // [loop]
 }

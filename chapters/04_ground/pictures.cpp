@@ -1,25 +1,17 @@
-#include "pictures.hpp"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "exact.hpp"
-#include "instruments/draw/canvas.hpp"
-#include "instruments/draw/page.hpp"
+#include "instruments/pictures/lesson.hpp"
 #include "instruments/pictures/mechanism_stage.hpp"
 #include "mechanics/integrators/amplification.hpp"
+#include "mechanism.hpp"
+#include "study.hpp"
 
 namespace ground {
 namespace {
 
-using draw::Canvas;
-using draw::Point;
-using measure::RunOptions;
-using mechanics::Method;
-using mechanics::Stabilization;
-using pictures::Picture;
+using namespace pictures::lesson;
 
 using Motion = mechanics::Motion<mechanics::Mechanism>;
 

@@ -5,12 +5,13 @@
 #include "catch.hpp"
 #include "exact.hpp"
 #include "instruments/measure/ladder.hpp"
+#include "instruments/pictures/stage.hpp"
+#include "main_check.hpp"
+#include "mechanism.hpp"
 #include "orders.hpp"
 #include "picture_check.hpp"
-#include "pictures.hpp"
-#include "scene.hpp"
-#include "stability.hpp"
 #include "stability_check.hpp"
+#include "study.hpp"
 
 using ground::decay;
 using ground::make_mechanism;
@@ -34,6 +35,14 @@ Method feedback(integrators::Scheme name, double ks, double kd) {
 }
 
 }  // namespace
+
+TEST_CASE("the loop in main holds the plate where the exact answer does") {
+  const std::string text = printed_by("04_ground");
+  const ground::Scene off{.offset_x = 0.05, .offset_y = -0.03, .offset_theta = 0.2};
+  const Eigen::Vector3d exact = ground::exact(off, ground::decay(25.0, 10.0, 1.0), 1.0).q;
+  CHECK(std::abs(number_after(text, "the plate is at (") - exact.x()) < 1e-7);
+  CHECK(number_after(text, "error") < 1e-7);
+}
 
 TEST_CASE("the reaction is minus weight and load and minus their moment, to rounding") {
   const Scene scene{.load = 7.0};

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <vector>
 
+#include "mechanics/joints/revolute.hpp"
 #include "scene.hpp"
 
 namespace revolute {
@@ -13,8 +14,8 @@ class FullMatrices {
  public:
   explicit FullMatrices(const Scene& scene)
       : pin_{Vector2d(-scene.l() / 2, 0.0), Vector2d(scene.l() / 2, 0.0)},
-        rods_(static_cast<std::size_t>(scene.N())) {
-    const Eigen::Index N = scene.N();
+        rods_(static_cast<std::size_t>(scene.links)) {
+    const Eigen::Index N = scene.links;
     const Eigen::Vector3d W_rod(1 / scene.m(), 1 / scene.m(), 1 / scene.I());
     W_ = W_rod.replicate(N, 1);
     F_ = Eigen::Vector3d(0.0, scene.m() * scene.gravity, 0.0).replicate(N, 1);

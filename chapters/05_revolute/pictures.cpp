@@ -1,24 +1,18 @@
-#include "pictures.hpp"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 
-#include "instruments/draw/canvas.hpp"
-#include "instruments/draw/page.hpp"
+#include "instruments/pictures/lesson.hpp"
 #include "instruments/pictures/mechanism_stage.hpp"
+#include "mechanism.hpp"
+#include "study.hpp"
 #include "turned_off.hpp"
 
 namespace revolute {
 namespace {
 
-using draw::Canvas;
-using measure::RunOptions;
-using mechanics::Stabilization;
-using pictures::Picture;
+using namespace pictures::lesson;
 
 using Motion = mechanics::Motion<mechanics::Mechanism>;
 
@@ -26,8 +20,6 @@ template <class Joint = joints::Revolute>
 Motion motion(const Scene& scene, const mechanics::Method& method = {}) {
   return {make_mechanism<Joint>(scene, method), method};
 }
-
-draw::Point point(const Vector2d& x) { return {x.x(), x.y()}; }
 
 /// The chain at one time: each rod from its near to its far end, so that a pin that has opened is
 /// seen, and the force of the world's pin.
@@ -42,7 +34,7 @@ struct Instant {
 Instant now(const Scene& scene, Motion& motion) {
   const mechanics::Row row = motion.row();
   Instant instant{row.t, {}, {row.reactions[0], row.reactions[1]}};
-  for (int i = 0; i < scene.N(); ++i) {
+  for (int i = 0; i < scene.links; ++i) {
     const Vector2d center = motion.q().segment<2>(3 * i), end = end_of_rod(scene, motion.q(), i);
     instant.rods.push_back({2.0 * center - end, end});
   }
@@ -371,7 +363,7 @@ class ChainStage final : public pictures::MechanismStage {
   }
 
   std::vector<draw::Point> marks() const override {
-    return {point(end_of_rod(scene_, motion.q(), scene_.N() - 1))};
+    return {point(end_of_rod(scene_, motion.q(), scene_.links - 1))};
   }
   double force() override { return now(scene_, motion).pin_force.norm(); }
   draw::Point half_size(const dynamics::ThingInfo&) const override { return {scene_.l() / 2, 0.0}; }

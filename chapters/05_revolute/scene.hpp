@@ -1,9 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
-
-#include "mechanics/joints/revolute.hpp"
-#include "mechanics/motion/mechanism.hpp"
 
 namespace revolute {
 
@@ -13,53 +12,25 @@ using Eigen::VectorXd;
 /// A chain of equal uniform rods, the first pinned to the world at (0, 0), each next one to the end
 /// of the one before, at rest in a straight line. One rod is the compound pendulum.
 struct Scene {
-  double links = 1;       ///< a whole number
+  int links = 1;
   double length = 1.0;    ///< of all rods together [m]
   double mass = 1.0;      ///< of all rods together [kg]
   double angle0 = 0.0;    ///< of the line, from +x towards +y [rad]
   double gravity = 9.81;  ///< along +y [m/s²]
 
-  int N() const { return static_cast<int>(links); }
   double l() const { return length / links; }  ///< of one rod [m]
   double m() const { return mass / links; }    ///< of one rod [kg]
   /// The rate [rad/s] of the last rod, were all the energy of a fall from level in its turning
   /// about its near end: ½ (m l²/3) ω² = ½ M g L, with m l² = M L²/N³. Longer chains than of
   /// fifty links come through their whips at the rate of fifty.
   double fastest() const {
-    return std::pow(std::min(links, 50.0), 1.5) * std::sqrt(3.0 * gravity / length);
+    return std::pow(std::min(links, 50), 1.5) * std::sqrt(3.0 * gravity / length);
   }
   double I() const { return m() * l() * l() / 12.0; }  ///< of one rod, about its centre [kg·m²]
 };
 
 /// The direction from the start of a rod to its end.
 inline Vector2d direction(double theta) { return {std::cos(theta), std::sin(theta)}; }
-
-// [scene]
-template <class Joint = joints::Revolute>
-mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method& method = {}) {
-  mechanics::Mechanism mechanism(method);
-  dynamics::System& system = mechanism.system;
-  system.set_gravity({0.0, scene.gravity});
-
-  const int N = scene.N();
-  const Vector2d start(-scene.l() / 2, 0.0), end(scene.l() / 2, 0.0);  // in a rod's own frame
-  dynamics::Handle<dynamics::Body> before;
-  std::string name_before = "world";
-  for (int i = 0; i < N; ++i) {
-    const std::string name = N == 1 ? "rod" : "rod" + std::to_string(i + 1);
-    const Vector2d x = (i + 0.5) * scene.l() * direction(scene.angle0);
-    const auto rod = system.add_body(name, scene.m(), scene.I(), x, scene.angle0);
-    const std::string joint = name + "_" + name_before;
-    const auto pin = i == 0 ? system.add(joint, Joint{start, {0.0, 0.0}}, rod, system.world)
-                            : system.add(joint, Joint{start, end}, rod, before);
-    mechanism.report(joint, pin, rod);
-    before = rod;
-    name_before = name;
-  }
-  mechanism.assemble();
-  return mechanism;
-}
-// [scene]
 
 /// The far end of rod i, counted from 0. q holds (x, y, θ) of each rod in turn.
 inline Vector2d end_of_rod(const Scene& scene, const VectorXd& q, int i) {

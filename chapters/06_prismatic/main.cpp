@@ -1,57 +1,47 @@
-// Chapter 6: the prismatic joint, which lets a body slide along a rail without turning on it.
-//
-// The rail is fixed in the world and inclined, or, with --spin, a body of its own that turns about
-// a pin while the block slides outwards on it. See scene.hpp.
+// Chapter 6: the prismatic joint, which lets a body slide along a rail without turning on it. Here
+// the rail is a body of its own that turns about a pin, and the block slides outwards on it.
 
-#include <string_view>
+#include <cstdio>
 
-#include "app/chapter.hpp"
 #include "exact.hpp"
-#include "pictures.hpp"
-#include "scene.hpp"
-#include "stability.hpp"
+#include "mechanics/dynamics/system.hpp"
+#include "mechanics/integrators/rk4.hpp"
+#include "mechanics/joints/prismatic.hpp"
+#include "mechanics/joints/revolute.hpp"
+#include "study.hpp"
+
+using Eigen::VectorXd;
 
 int main(int argc, char** argv) {
-  prismatic::Scene scene;
-  // On the incline RK4 is exact, so `report` measures the spinning rail unless told otherwise.
-  if (argc > 1 && std::string_view(argv[1]) == "report") scene.spin = 5.0;
+  if (argc > 1) return prismatic::study(argc, argv);
 
-  app::Chapter chapter;
-  chapter.directory = "06_prismatic";
-  chapter.title = "Prismatic joint";
+  // [loop]
+  const double r0 = 0.3, spin = 5.0;                          // [m], [rad/s]
+  const double inertia = 1.0 * (0.2 * 0.2 + 0.1 * 0.1) / 12;  // of the block [kg·m²]
+  dynamics::System system;
+  const auto rail = system.add_body("rail", 1.0, 1.0, {0, 0}, 0, {0, 0}, spin);
+  const auto block = system.add_body("block", 1.0, inertia, {r0, 0}, 0, {0, spin * r0}, spin);
+  system.add("rail_world", joints::Revolute{}, rail, dynamics::System::world);
+  system.add("block_rail", joints::Prismatic{}, rail, block);
 
-  const app::Range inclines{-90.0, 90.0}, spins{-1e6, 1e6};
-  chapter.parameters = {
-      {"--incline", "deg", "of the fixed rail; positive: down to the right", &scene.incline,
-       inclines},
-      {"--mass", "kg", "of the block", &scene.mass, app::positive, app::acts},
-      {"--gravity", "m/s²", "gravity, downwards; on the fixed rail only", &scene.gravity,
-       app::not_negative, app::acts},
-      {"--spin", "rad/s", "of a free rail at the start, for example 5; 0: it is fixed", &scene.spin,
-       spins},
+  VectorXd q = system.initial_q(), v = system.initial_v();
+  integrators::Rk4<VectorXd> rk4(q);
+  dynamics::Evaluation e(system);
+  const auto equation = [&](double t, const VectorXd& x, const VectorXd& xdot, VectorXd& a) {
+    system.evaluate(t, x, xdot, e);
+    a = e.a();
   };
-  chapter.defaults = {.duration = 2.0, .step = 0.002};
-  chapter.constraint_unit = "m or rad";
-  chapter.fastest = [&scene] { return std::abs(scene.spin); };
+  const double h = 0.001;
+  for (int step = 0; step < 1000; ++step) {
+    rk4.step(equation, step * h, q, v, h);
+    system.project((step + 1) * h, q, v, e);
+  }
+  system.evaluate(1000 * h, q, v, e);
 
-  chapter.start = [&scene](const mechanics::Method& method) {
-    return std::make_unique<mechanics::Motion<mechanics::Mechanism>>(
-        prismatic::make_mechanism(scene, method), method);
-  };
-
-  chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}, {"force", "N"}, {"moment", "N·m"}};
-  chapter.errors = [&scene](const mechanics::Row& row) { return prismatic::errors(scene, row); };
-
-  chapter.ladder = {.methods = measure::methods_to_compare(100.0, 20.0),
-                    .duration = 1.0,
-                    .coarsest = 0.1,
-                    .rungs = 15};
-
-  chapter.stability = prismatic::stability;
-
-  chapter.pictures = [&scene](const measure::RunOptions& run) {
-    return prismatic::pictures(scene, run);
-  };
-  chapter.stage = [&scene](const measure::RunOptions& run) { return prismatic::stage(scene, run); };
-  return app::run_chapter(argc, argv, chapter);
+  const double way = q.segment<2>(block.column).norm();
+  const double exact = prismatic::exact({.spin = spin, .r0 = r0}, 1000 * h).x.norm();
+  std::printf("after 1 s the block is at %.12f m on the rail\n", way);
+  std::printf("the exact answer is       %.12f m\n", exact);
+  std::printf("error %.1e m, largest |C| %.1e\n", way - exact, e.constraint_error());
+  // [loop]
 }

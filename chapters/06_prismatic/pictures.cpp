@@ -1,22 +1,16 @@
-#include "pictures.hpp"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "instruments/draw/canvas.hpp"
-#include "instruments/draw/page.hpp"
+#include "instruments/pictures/lesson.hpp"
 #include "instruments/pictures/mechanism_stage.hpp"
+#include "mechanism.hpp"
+#include "study.hpp"
 #include "turned_off.hpp"
 
 namespace prismatic {
 namespace {
 
-using draw::Canvas;
-using measure::RunOptions;
-using mechanics::Stabilization;
-using pictures::Picture;
+using namespace pictures::lesson;
 
 using Motion = mechanics::Motion<mechanics::Mechanism>;
 
@@ -28,8 +22,6 @@ Scene spinning(Scene scene) {
   if (!scene.spins()) scene.spin = 5.0;
   return scene;
 }
-
-draw::Point point(const Vector2d& x) { return {x.x(), x.y()}; }
 
 /// Rail and block at one time, each in its own place, and the force of the rail on the block.
 struct Instant {

@@ -1,11 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
 #include <numbers>
-
-#include "mechanics/joints/prismatic.hpp"
-#include "mechanics/joints/revolute.hpp"
-#include "mechanics/motion/mechanism.hpp"
 
 namespace prismatic {
 
@@ -34,51 +31,11 @@ struct Scene {
 inline Vector2d along(double theta) { return {std::cos(theta), std::sin(theta)}; }
 inline Vector2d across(double theta) { return {-std::sin(theta), std::cos(theta)}; }
 
-// [incline]
-/// The rail is a line of the world, and the world has no coordinates: one body, two rows.
-inline mechanics::Mechanism make_incline(const Scene& scene, const mechanics::Method& method = {}) {
-  mechanics::Mechanism mechanism(method);
-  dynamics::System& system = mechanism.system;
-  system.set_gravity({0.0, scene.gravity});
-  const auto block =
-      system.add_body("block", scene.mass, scene.inertia(), {0.0, 0.0}, scene.angle());
-  const joints::Prismatic rail{.n_hat = across(scene.angle()), .theta21 = scene.angle()};
-  mechanism.report("block_rail", system.add("block_rail", rail, system.world, block), block);
-  mechanism.assemble();
-  return mechanism;
-}
-// [incline]
-
-// [spin]
-/// The rail is a body: two bodies, a pin and a rail, four rows. Rail and block turn together.
-template <class Joint = joints::Prismatic>
-mechanics::Mechanism make_spin(const Scene& scene, const mechanics::Method& method = {}) {
-  mechanics::Mechanism mechanism(method);
-  dynamics::System& system = mechanism.system;
-  const double r0 = scene.r0, spin = scene.spin;
-  const auto rail = system.add_body("rail", scene.rail_mass, scene.rail_inertia, {0.0, 0.0}, 0.0,
-                                    {0.0, 0.0}, spin);
-  const auto block =
-      system.add_body("block", scene.mass, scene.inertia(), {r0, 0.0}, 0.0, {0.0, spin * r0}, spin);
-  const auto pin = system.add("rail_world", joints::Revolute{}, rail, system.world);
-  const auto slide = system.add("block_rail", Joint{}, rail, block);
-  mechanism.report("block_rail", slide, block);
-  mechanism.report("rail_world", pin, rail);
-  mechanism.assemble();
-  return mechanism;
-}
-// [spin]
-
 /// The angular momentum [kg·m²/s] of the spinning scene about the pin.
 inline double angular_momentum(const Scene& scene, const Eigen::VectorXd& q,
                                const Eigen::VectorXd& v) {
   return scene.rail_inertia * v[2] + scene.inertia() * v[5] +
          scene.mass * (q[3] * v[4] - q[4] * v[3]);
-}
-
-inline mechanics::Mechanism make_mechanism(const Scene& scene,
-                                           const mechanics::Method& method = {}) {
-  return scene.spins() ? make_spin(scene, method) : make_incline(scene, method);
 }
 
 }  // namespace prismatic

@@ -7,12 +7,13 @@
 #include "catch.hpp"
 #include "exact.hpp"
 #include "instruments/measure/ladder.hpp"
+#include "instruments/pictures/stage.hpp"
+#include "main_check.hpp"
+#include "mechanism.hpp"
 #include "orders.hpp"
 #include "picture_check.hpp"
-#include "pictures.hpp"
-#include "scene.hpp"
-#include "stability.hpp"
 #include "stability_check.hpp"
+#include "study.hpp"
 #include "turned_off.hpp"
 
 using dynamics::Body;
@@ -24,7 +25,6 @@ using prismatic::along;
 using prismatic::angular_momentum;
 using prismatic::make_mechanism;
 using prismatic::Scene;
-using prismatic::SpinMotion;
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -62,13 +62,21 @@ Polar integrated(const Scene& scene, double t) {
 
 }  // namespace
 
+TEST_CASE("the loop in main ends where the exact motion does") {
+  const std::string text = printed_by("06_prismatic");
+  const double way = prismatic::exact({.spin = 5.0}, 1.0).x.norm();
+  CHECK(std::abs(number_after(text, "the block is at") - way) < 1e-9);
+  CHECK(std::abs(number_after(text, "error")) < 1e-9);
+  CHECK(number_after(text, "largest |C|") < 1e-14);
+}
+
 TEST_CASE("the exact spin is what the forces give, for light and heavy blocks, either way round") {
   for (const double mass : {0.01, 1.0, 50.0})
     for (const double spin : {5.0, -0.7, 40.0})
       for (const double t : {0.01, 0.4, 1.0, 7.0}) {
         const Scene scene{.mass = mass, .spin = spin};
         const auto truth = integrated(scene, t);
-        const auto exact = SpinMotion(scene).at(t);
+        const auto exact = prismatic::exact(scene, t);
         INFO("mass " << mass << ", spin " << spin << ", t " << t);
         const double r = double(truth.r);
         CHECK(exact.x.norm() == Approx(r).epsilon(1e-14));
@@ -92,14 +100,14 @@ TEST_CASE("the exact spin is what the forces give, for light and heavy blocks, e
 
 TEST_CASE("limits of the exact spin") {
   const Scene scene{.spin = 5.0};
-  const auto start = SpinMotion(scene).at(0.0);
+  const auto start = prismatic::exact(scene, 0.0);
   CHECK((start.x - Vector2d(0.3, 0.0)).norm() < 1e-16);
   CHECK((start.v - Vector2d(0.0, 1.5)).norm() < 1e-15);
   CHECK(start.force.norm() == 0.0);
   // Far out the rail is almost at rest and all the energy has become speed along it: L²/I(r0) = m
   // ṙ².
   const double I = scene.rail_inertia + scene.inertia() + 0.09;
-  const auto late = SpinMotion(scene).at(1e4);
+  const auto late = prismatic::exact(scene, 1e4);
   CHECK(late.v.norm() == Approx(5.0 * std::sqrt(I)).epsilon(1e-6));
   CHECK(late.omega * (late.x.squaredNorm() + I - 0.09) == Approx(5.0 * I).epsilon(1e-12));
 }
@@ -230,7 +238,7 @@ TEST_CASE("solution 3: with a second rail the motion stays right, and its rows a
   one.advance(100, 0.01);
   two.advance(100, 0.01);
   CHECK((one.q() - two.q()).norm() < 1e-12);
-  CHECK((two.q().head<2>() - prismatic::exact_incline(scene, 1.0).x).norm() < 1e-12);
+  CHECK((two.q().head<2>() - prismatic::exact(scene, 1.0).x).norm() < 1e-12);
   REQUIRE(two.model().evaluation().counts().rank == 2);
   for (std::size_t i = 0; i < 3; ++i)  // the first rail carries what it did alone
     CHECK(two.row().reactions[i] == Approx(one.row().reactions[i]).margin(1e-12));
@@ -260,7 +268,7 @@ TEST_CASE("projection keeps the block on the turning rail to rounding") {
 
 TEST_CASE("without the Coriolis part the rail gives way by C̈ = 2 ω1 (S n)·ḋ") {
   const Scene scene{.spin = 5.0};
-  const auto truth = SpinMotion(scene).at(0.3);
+  const auto truth = prismatic::exact(scene, 0.3);
   VectorXd q(6), v(6), a(6);
   q << 0.0, 0.0, truth.theta, truth.x, truth.theta;
   v << 0.0, 0.0, truth.omega, truth.v, truth.omega;

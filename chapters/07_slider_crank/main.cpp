@@ -1,65 +1,58 @@
-// Chapter 7: the slider-crank. One ground, three revolute joints, one prismatic joint, and a torque
-// that can be switched off. The scene is put together in scene.hpp from the parts of chapters 4, 5
-// and 6.
+// Chapter 7: the slider-crank. A wheel turns in the world, a rod joins its crank pin to a slider on
+// a rail, and a torque drives the wheel.
 
-#include "app/chapter.hpp"
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
 #include "exact.hpp"
-#include "pictures.hpp"
-#include "scene.hpp"
-#include "stability.hpp"
+#include "mechanics/dynamics/system.hpp"
+#include "mechanics/integrators/rk4.hpp"
+#include "mechanics/joints/prismatic.hpp"
+#include "mechanics/joints/revolute.hpp"
+#include "study.hpp"
+
+using Eigen::Vector2d, Eigen::VectorXd;
 
 int main(int argc, char** argv) {
-  slider_crank::Scene scene;
-  app::Chapter chapter;
-  chapter.directory = "07_slider_crank";
-  chapter.title = "Slider-crank";
+  if (argc > 1) return slider_crank::study(argc, argv);
 
-  const app::Range angle{-1e6, 1e6};
-  chapter.parameters = {
-      {"--crank", "m", "from the wheel's centre to the crank pin", &scene.crank, app::positive},
-      {"--rod", "m", "length of the rod, at least the crank", &scene.rod, app::positive},
-      {"--torque", "N·m", "on the wheel, from outside; 0 switches it off", &scene.torque, app::any,
-       app::acts | app::switchable},
-      {"--theta0", "rad", "angle of the crank at the start", &scene.theta0, angle},
-      {"--omega0", "rad/s", "its rate at the start", &scene.omega0, app::any},
-      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, app::not_negative, app::acts},
-      {"--wheel-mass", "kg", "mass of the wheel", &scene.wheel_mass, app::positive, app::acts},
-      {"--rod-mass", "kg", "mass of the rod", &scene.rod_mass, app::positive, app::acts},
-      {"--slider-mass", "kg", "mass of the slider", &scene.slider_mass, app::positive, app::acts},
-      {"--simulate-frame",
-       "",
-       "1: the frame is a body held by a ground joint; 0: left out",
-       &scene.simulate_frame,
-       {0.0, 1.0},
-       app::whole},
+  // [loop]
+  const double R = 0.3, L = 1.0;  // crank and rod [m]
+  const double theta = std::numbers::pi / 4, phi = -std::asin(R * std::sin(theta) / L);
+  const Vector2d pin = R * Vector2d(std::cos(theta), std::sin(theta));
+  const Vector2d rod_half = L / 2 * Vector2d(std::cos(phi), std::sin(phi));
+
+  dynamics::System system;
+  const auto world = dynamics::System::world;
+  const auto wheel = system.add_body("wheel", 2.0, 0.16, {0, 0}, theta);
+  const auto rod = system.add_body("rod", 1.0, L * L / 12, pin + rod_half, phi);
+  const auto slider = system.add_body("slider", 1.5, 0.01625, pin + 2 * rod_half);
+  system.add("wheel_frame", joints::Revolute{}, wheel, world);
+  system.add("rod_wheel", joints::Revolute{.u1 = {-L / 2, 0}, .u2 = {R, 0}}, rod, wheel);
+  system.add("slider_rod", joints::Revolute{.u2 = {L / 2, 0}}, slider, rod);
+  system.add("slider_frame", joints::Prismatic{}, world, slider);
+  system.set_gravity({0, 9.81});
+  system.apply(wheel, {0, 0, 2.0});
+
+  VectorXd q = system.initial_q(), v = system.initial_v();
+  integrators::Rk4<VectorXd> rk4(q);
+  dynamics::Evaluation e(system);
+  const auto equation = [&](double t, const VectorXd& x, const VectorXd& xdot, VectorXd& a) {
+    system.evaluate(t, x, xdot, e);
+    a = e.a();
   };
-  chapter.defaults = {.duration = 2.0, .step = 0.001};
-  chapter.constraint_unit = "m or rad";
-  chapter.fastest = [&] { return scene.fastest(chapter.defaults.duration); };
+  const double h = 0.001;
+  for (int step = 0; step < 2000; ++step) {
+    rk4.step(equation, step * h, q, v, h);
+    system.project((step + 1) * h, q, v, e);
+  }
+  system.evaluate(2000 * h, q, v, e);
 
-  chapter.start = [&scene](const mechanics::Method& method) {
-    return std::make_unique<mechanics::Motion<mechanics::Mechanism>>(
-        slider_crank::make_mechanism(scene, method), method);
-  };
-
-  chapter.quantities = {
-      {"wheel angle", "rad"}, {"angular velocity", "rad/s"}, {"joint forces", "N"}};
-  chapter.errors = [&scene](const mechanics::Row& row) {
-    return slider_crank::errors(scene, slider_crank::make_mechanism(scene, {}).columns(), row);
-  };
-
-  chapter.ladder = {.methods = measure::methods_to_compare(625.0, 50.0),
-                    .duration = 2.0,
-                    .coarsest = 0.02,
-                    .rungs = 14};
-
-  chapter.stability = slider_crank::stability;
-
-  chapter.pictures = [&scene](const measure::RunOptions& run) {
-    return slider_crank::pictures(scene, run);
-  };
-  chapter.stage = [&scene](const measure::RunOptions& run) {
-    return slider_crank::stage(scene, run);
-  };
-  return app::run_chapter(argc, argv, chapter);
+  const double angle = q[wheel.column + 2];
+  const auto exact = static_cast<double>(slider_crank::Exact({}).at(2.0)->theta);
+  std::printf("after 2 s the wheel stands at %.12f rad\n", angle);
+  std::printf("the exact answer is           %.12f rad\n", exact);
+  std::printf("error %.1e rad, largest |C| %.1e\n", angle - exact, e.constraint_error());
+  // [loop]
 }

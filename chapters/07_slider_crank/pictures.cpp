@@ -1,34 +1,22 @@
-#include "pictures.hpp"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "instruments/draw/canvas.hpp"
-#include "instruments/draw/page.hpp"
+#include "instruments/pictures/lesson.hpp"
 #include "instruments/pictures/mechanism_stage.hpp"
+#include "study.hpp"
 #include "turned_off.hpp"
 
 namespace slider_crank {
 namespace {
 
-using draw::Canvas;
-using draw::Point;
-using Eigen::Vector2d;
-using measure::RunOptions;
-using mechanics::Stabilization;
-using pictures::Picture;
-
+using namespace pictures::lesson;
 using Motion = mechanics::Motion<mechanics::Mechanism>;
 constexpr double turn = 2.0 * std::numbers::pi;
 
 Motion motion(const Scene& scene, const mechanics::Method& method) {
   return {make_mechanism(scene, method), method};
 }
-
-Point point(const Vector2d& x) { return {x.x(), x.y()}; }
 
 /// The forces on the bodies that the joints are named after, each at the place where it acts.
 struct Forces {

@@ -46,15 +46,11 @@ std::string with_unit(double value, const std::string& unit) {
   return unit.empty() ? fmt::format("{:.4g}", value) : fmt::format("{:.4g} {}", value, unit);
 }
 
-bool is_yes_or_no(const Parameter& parameter) {
-  return parameter.is(whole) && parameter.allowed.low == 0.0 && parameter.allowed.high == 1.0;
-}
-
 /// What a slider should reach around a default: a few times as much, or all that is allowed.
 Window::Span span_of(const Parameter& parameter) {
-  const double start = std::abs(*parameter.value);
+  const double start = std::abs(parameter.value());
   const auto [low, high] = parameter.allowed;
-  const bool only_whole = parameter.is(whole);
+  const bool only_whole = parameter.is_whole();
   const bool angle = parameter.unit == "rad";
   if (high - low <= 200.0 && !angle) return {low, high, false, only_whole};
   if (low > 0.0) {
@@ -87,7 +83,7 @@ class Layout {
     group();
     for (const Parameter& parameter : chapter.parameters) {
       if (parameter.is(switchable)) row({name_of(parameter) + "_on"}, false);
-      if (is_yes_or_no(parameter))
+      if (parameter.is_switch())
         row({name_of(parameter)}, false);
       else
         row(name_of(parameter));
@@ -161,7 +157,7 @@ class Live {
         layout_(chapter) {
     for (const Parameter& parameter : chapter.parameters) {
       spans_.push_back(span_of(parameter));
-      kept_.push_back(*parameter.value);
+      kept_.push_back(parameter.value());
     }
     last_ = kept_;
     message_ = fault_of_gains(run).value_or("");
@@ -272,11 +268,11 @@ class Live {
       message = fault_of_gains(run_).value_or("");
       diverged_ = false;
       kept_run_ = run_;
-      for (std::size_t i = 0; i < kept_.size(); ++i) kept_[i] = *chapter_.parameters[i].value;
+      for (std::size_t i = 0; i < kept_.size(); ++i) kept_[i] = chapter_.parameters[i].value();
     } catch (const std::exception& error) {
       message = of_controls(error.what());
       run_ = kept_run_;
-      for (std::size_t i = 0; i < kept_.size(); ++i) *chapter_.parameters[i].value = kept_[i];
+      for (std::size_t i = 0; i < kept_.size(); ++i) chapter_.parameters[i].set(kept_[i]);
     }
     if (!message.empty() && message != message_) say(message);
     message_ = message;
@@ -372,23 +368,27 @@ class Live {
   void parameter(std::size_t i) {
     const Parameter& parameter = chapter_.parameters[i];
     const std::string name = name_of(parameter);
-    double& value = *parameter.value;
+    double value = parameter.value();
+    const auto apply = [&] {
+      parameter.set(value);
+      make_stage(parameter.is(acts));
+      value = parameter.value();  // as it was, where that cannot be
+    };
     bool on = value != 0.0;
-    if (is_yes_or_no(parameter)) {
+    if (parameter.is_switch()) {
       window_->text(Layout::beside(layout_[name]), name, draw::theme("light").ink);
       if (!window_->check(layout_[name], "##" + name, on)) return;
       value = on ? 1.0 : 0.0;
-      make_stage(parameter.is(acts));
+      apply();
       say(fmt::format("{} {} {}", name, value, now()));
       return;
     }
     if (parameter.is(switchable) && window_->check(layout_[name + "_on"], name, on)) {
       value = !on ? 0.0 : last_[i] != 0.0 ? last_[i] : 1.0;
-      make_stage(parameter.is(acts));
+      apply();
       say(fmt::format("{} {} {}", name, with_unit(value, parameter.unit), now()));
     }
-    slider(name, value, spans_[i], parameter.unit, parameter.allowed,
-           [&] { make_stage(parameter.is(acts)); });
+    slider(name, value, spans_[i], parameter.unit, parameter.allowed, apply);
     if (value != 0.0) last_[i] = value;
   }
 

@@ -4,6 +4,8 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 namespace app {
@@ -28,21 +30,34 @@ inline constexpr Range not_negative{0.0, 1e12};
 
 /// What a number that the reader may choose can be besides.
 enum Trait : unsigned {
-  whole = 1,       ///< only whole numbers
-  acts = 2,        ///< changes the motion, neither the start nor a shape: it may while all moves
-  switchable = 4,  ///< 0 switches it off
+  acts = 1,        ///< changes the motion, neither the start nor a shape: it may while all moves
+  switchable = 2,  ///< 0 switches it off
 };
 
-/// One number that the reader may choose. It stays where the scene keeps it.
+/// One number that the reader may choose. It stays where the scene keeps it: a count as an int, a
+/// switch, 0 or 1, as a bool.
 struct Parameter {
   std::string option;  ///< "--x0"
   std::string unit;    ///< "m"; empty for a pure number
   std::string help;
-  double* value;  ///< holds the default
+  std::variant<double*, int*, bool*> place;  ///< holds the default
   Range allowed;
   unsigned traits = 0;  ///< of those above, added up
 
   bool is(Trait trait) const { return (traits & trait) != 0; }
+  bool is_switch() const { return std::holds_alternative<bool*>(place); }
+  bool is_whole() const { return !std::holds_alternative<double*>(place); }
+
+  double value() const {
+    return std::visit([](const auto* number) { return static_cast<double>(*number); }, place);
+  }
+  void set(double value) const {
+    std::visit(
+        [=](auto* number) {
+          *number = static_cast<std::remove_pointer_t<decltype(number)>>(value);
+        },
+        place);
+  }
 };
 
 /// Reads a number; throws UsageError naming the option where it is none or not allowed.

@@ -86,8 +86,8 @@ void add_scene(CLI::App& app, const Chapter& chapter) {
   for (const Parameter& parameter : chapter.parameters)
     add_number(
         app, parameter.option, parameter.unit,
-        fmt::format("{} (default {:g})", parameter.help, *parameter.value), parameter.allowed,
-        [value = parameter.value](double number) { *value = number; }, parameter.is(whole))
+        fmt::format("{} (default {:g})", parameter.help, parameter.value()), parameter.allowed,
+        [&parameter](double number) { parameter.set(number); }, parameter.is_whole())
         ->group("Scene");
 }
 
@@ -567,7 +567,7 @@ measure::Case bad_input(const Chapter& chapter) {
                     fmt::format("{:g}", 2.0 * parameter.allowed.high + 1.0),
                     fmt::format("{:g}", -1.0 - 2.0 * std::abs(parameter.allowed.low))}) {
                 try {
-                  number(parameter.option, text, parameter.allowed, parameter.is(whole));
+                  number(parameter.option, text, parameter.allowed, parameter.is_whole());
                   taken += 1.0;
                 } catch (const UsageError&) {
                 }

@@ -253,10 +253,19 @@ TEST_CASE("the same run writes the same bytes") {
   }
 }
 
+TEST_CASE("without arguments a chapter runs the loop of its main and prints its error") {
+  for (const std::string& chapter : chapters()) {
+    INFO(chapter);
+    const auto ran = shell(program(chapter));
+    CHECK(ran.status == 0);
+    CHECK(holds(ran.out, "error"));
+    CHECK(ran.err.empty());
+  }
+}
+
 TEST_CASE("unusable arguments: one line that names them, exit status 2") {
   for (const std::string& chapter : chapters()) {
     const std::string p = program(chapter) + " ";
-    check_refused(p, "command missing");
     check_refused(p + "fly", "fly");
     check_refused(p + "run --fly 3", "--fly");
     check_refused(p + "run --step", "--step");

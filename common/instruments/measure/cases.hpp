@@ -2,12 +2,27 @@
 
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
 #include "instruments/measure/stability_map.hpp"
 
 namespace measure {
+
+/// The methods that most cases are tried with.
+namespace usual {
+using integrators::Scheme;
+using mechanics::Stabilization;
+inline constexpr mechanics::Method rk4{Scheme::rk4};
+inline constexpr mechanics::Method projected{Scheme::rk4, Stabilization::projection};
+inline constexpr mechanics::Method midpoint{Scheme::implicit_midpoint, Stabilization::projection};
+inline constexpr mechanics::Method dop853{Scheme::dop853, Stabilization::projection};
+inline constexpr mechanics::Method adaptive{Scheme::dop853, Stabilization::projection, 0, 0, 1e-8};
+constexpr mechanics::Method feedback(double ks, double kd, Scheme scheme = Scheme::rk4) {
+  return {scheme, Stabilization::feedback, ks, kd};
+}
+}  // namespace usual
 
 /// What a case is expected to end in, written beside the case.
 struct Expected {
@@ -48,7 +63,16 @@ struct LongRun {
 /// The same scene in two systems of units: the second's are so many of the first's.
 struct Units {
   double length, time, mass;
+
+  double acceleration() const { return length / (time * time); }
+  double force() const { return mass * length / (time * time); }
+  double moment() const { return mass * length * length / (time * time); }
+  double inertia() const { return mass * length * length; }
 };
+/// Numbers of a scene in another unit.
+inline void scale(std::initializer_list<double*> numbers, double unit) {
+  for (double* number : numbers) *number *= unit;
+}
 
 /// What `stability` of a chapter tries.
 struct Stability {

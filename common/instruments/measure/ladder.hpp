@@ -52,6 +52,15 @@ struct Ladder {
 
 using Start = std::function<std::unique_ptr<mechanics::Simulation>(const mechanics::Method&)>;
 using Errors = std::function<std::vector<double>(const mechanics::Row&)>;
+
+/// The Start of a model that `make(method)` puts together.
+template <class Make>
+Start start_of(Make make) {
+  return [make](const mechanics::Method& method) {
+    return std::make_unique<mechanics::Motion<decltype(make(method))>>(make(method), method);
+  };
+}
+
 using Progress = std::function<void(double done, const std::string& what)>;
 
 /// Runs the ladder; a run that Watch stops is a rung that failed. `errors(row)` compares the last

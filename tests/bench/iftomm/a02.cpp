@@ -9,7 +9,7 @@ int main(int argc, char** argv) {
   chapter.directory = "iftomm_a02";
   chapter.title = "IFToMM A02, N four-bar linkages";
   chapter.parameters = {
-      {"--loops", "", "N, the number of linkages", &scene.loops, {1, 1000}, app::whole},
+      {"--loops", "", "N, the number of linkages", &scene.loops, {1, 1000}},
       {"--speed", "m/s", "of the tops at the start", &scene.speed, {1e-3, 1e3}},
       {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, app::not_negative},
   };

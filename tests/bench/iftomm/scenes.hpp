@@ -37,13 +37,12 @@ inline mechanics::Mechanism make_mechanism(const Pendulum& scene,
 /// is uniform, 1 m long, 1 kg. The uprights stand, the tops start along +x. Each time the uprights
 /// lie along the ground all links are in one line and J loses rank.
 struct FourBars {
-  double loops = 2.0;  ///< N, a whole number
+  int loops = 2;       ///< N
   double speed = 1.0;  ///< of the tops at the start [m/s]
   double gravity = 9.81;
 
   static constexpr double length = 1.0, mass = 1.0;  ///< of a link [m], [kg]
   static constexpr double inertia = mass * length * length / 12.0;
-  int N() const { return static_cast<int>(loops); }
 };
 
 inline mechanics::Mechanism make_mechanism(const FourBars& scene,
@@ -54,7 +53,7 @@ inline mechanics::Mechanism make_mechanism(const FourBars& scene,
   constexpr double l = FourBars::length, m = FourBars::mass, I = FourBars::inertia;
   const Vector2d start(-l / 2, 0.0), end(l / 2, 0.0);  // of a link in its own frame
   std::vector<dynamics::Handle<dynamics::Body>> uprights;
-  for (int i = 0; i <= scene.N(); ++i) {
+  for (int i = 0; i <= scene.loops; ++i) {
     const Vector2d pivot(i * l, 0.0);
     const auto upright =
         system.add_body(fmt::format("upright{}", i), m, I, pivot + Vector2d(0.0, -l / 2),
@@ -64,7 +63,7 @@ inline mechanics::Mechanism make_mechanism(const FourBars& scene,
                      upright);
     uprights.push_back(upright);
   }
-  for (int i = 0; i < scene.N(); ++i) {
+  for (int i = 0; i < scene.loops; ++i) {
     const auto top = system.add_body(fmt::format("top{}", i), m, I, {(i + 0.5) * l, -l}, 0.0,
                                      {scene.speed, 0.0}, 0.0);
     system.add(fmt::format("top{}_left", i), joints::Revolute{start, end}, top,

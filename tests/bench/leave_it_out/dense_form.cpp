@@ -1,6 +1,6 @@
 #include "leave_it_out/dense_form.hpp"
 
-#include "07_slider_crank/scene.hpp"
+#include "07_slider_crank/mechanism.hpp"
 #include "mechanics/joints/ground.hpp"
 #include "mechanics/joints/prismatic.hpp"
 #include "mechanics/joints/revolute.hpp"

@@ -224,7 +224,7 @@ void IdaRun::set_start() {
       rates[3 + k] = a[3 * i + k];
     }
   for (int joint = 0; joint < model_.size() + (model_.rail ? 1 : 0); ++joint) {
-    const Eigen::VectorXd lambda = mechanism.system.lambda(mechanism.system.joint(joint));
+    const Eigen::VectorXd lambda = mechanism.evaluation().lambda(mechanism.system.joint(joint));
     double* const at =
         N_VGetArrayPointer(y_.get()) + Equations::block * joint + (joint < model_.size() ? 6 : 0);
     at[0] = lambda[0];

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "05_revolute/scene.hpp"
-#include "07_slider_crank/scene.hpp"
+#include "05_revolute/mechanism.hpp"
+#include "07_slider_crank/mechanism.hpp"
 #include "model.hpp"
 
 namespace peers {
@@ -10,7 +10,7 @@ namespace peers {
 inline mechanics::Mechanism make_mechanism(const Model& model,
                                            const mechanics::Method& method = {}) {
   if (model.rail) return ::slider_crank::make_mechanism({}, method);
-  return revolute::make_mechanism({.links = double(model.size())}, method);
+  return revolute::make_mechanism({.links = model.size()}, method);
 }
 
 }  // namespace peers

@@ -36,7 +36,7 @@ Model slider_crank() {
 }
 
 Model chain(int links) {
-  const revolute::Scene scene{.links = double(links)};
+  const revolute::Scene scene{.links = links};
   const Vector2d begin(-scene.l() / 2, 0), end(scene.l() / 2, 0);
   Model model{.gravity = scene.gravity, .duration = 0.5};
   for (int i = 0; i < links; ++i) {
@@ -92,7 +92,7 @@ std::optional<double> error(const Model& model, const State& state) {
   if (links > revolute::longest_with_exact_answer) return std::nullopt;
   static std::map<int, Vector2d> ends;
   if (!ends.contains(links)) {
-    const revolute::Scene scene{.links = double(links)};
+    const revolute::Scene scene{.links = links};
     ends[links] = links == 1 ? revolute::exact_pendulum(scene, model.duration).end
                              : revolute::ChainReference(scene).exact(model.duration)->end;
   }

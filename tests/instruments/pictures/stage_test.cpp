@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "01_particle_on_curve_implicit/held_bead.hpp"
-#include "01_particle_on_curve_implicit/pictures.hpp"
-#include "02_parametric_lagrangian/pictures.hpp"
-#include "03_global_jacobian_solver/pictures.hpp"
-#include "04_ground/pictures.hpp"
-#include "05_revolute/pictures.hpp"
-#include "06_prismatic/pictures.hpp"
-#include "07_slider_crank/pictures.hpp"
+#include "01_particle_on_curve_implicit/study.hpp"
+#include "02_parametric_lagrangian/study.hpp"
+#include "03_global_jacobian_solver/study.hpp"
+#include "04_ground/study.hpp"
+#include "05_revolute/study.hpp"
+#include "06_prismatic/study.hpp"
+#include "07_slider_crank/study.hpp"
 #include "app/chapter.hpp"
 #include "app/player.hpp"
 #include "catch.hpp"
@@ -147,7 +147,7 @@ TEST_CASE("an open joint of any scene is seen, a closed one shows nothing") {
        {2.0, 0.02}},
       {"7", [](const RunOptions& run) { return slider_crank::stage({}, run); }, {2.0, 0.005}},
       {"7, frame",
-       [](const RunOptions& run) { return slider_crank::stage({.simulate_frame = 1.0}, run); },
+       [](const RunOptions& run) { return slider_crank::stage({.simulate_frame = true}, run); },
        {2.0, 0.005}}};
   for (const auto& [name, make, run] : scenes) {
     INFO("chapter " << name);

@@ -1,21 +1,29 @@
-#pragma once
+#include "study.hpp"
 
 #include <fmt/format.h>
 
-#include <memory>
+#include <algorithm>
+#include <cmath>
 #include <numbers>
-#include <string>
 
+#include "app/chapter.hpp"
 #include "exact.hpp"
-#include "instruments/measure/cases.hpp"
-#include "scene.hpp"
+#include "instruments/draw/image.hpp"
+#include "instruments/draw/offscreen.hpp"
+#include "instruments/files/files.hpp"
+#include "mechanism.hpp"
 
 namespace revolute {
+namespace {
+
+using mechanics::Method;
+using mechanics::Stabilization;
+using Motion = mechanics::Motion<mechanics::Mechanism>;
 
 /// A chain of `links` rods, together 0.5 m and `chain` kg, that carries a rod of 0.5 m and `load`
 /// kg at its end; level and at rest.
-inline mechanics::Mechanism make_loaded(int links, double chain, double load,
-                                        const mechanics::Method& method) {
+mechanics::Mechanism make_loaded(int links, double chain, double load,
+                                 const mechanics::Method& method) {
   mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
   system.set_gravity({0.0, 9.81});
@@ -42,8 +50,8 @@ inline mechanics::Mechanism make_loaded(int links, double chain, double load,
 /// A chain pinned at both ends, straight: the last pin's row along the chain depends on the others.
 /// Level under gravity it can neither fall nor carry its weight at finite tension; here it stands
 /// upright, in the line of gravity, and hangs.
-inline mechanics::Mechanism make_taut(int N, const mechanics::Method& method) {
-  const Scene scene{.links = static_cast<double>(N), .angle0 = std::numbers::pi / 2};
+mechanics::Mechanism make_taut(int N, const mechanics::Method& method) {
+  const Scene scene{.links = N, .angle0 = std::numbers::pi / 2};
   mechanics::Mechanism mechanism = make_mechanism(scene, method);
   mechanism.system.add("end_world", joints::Revolute{{scene.l() / 2, 0.0}, {0.0, scene.length}},
                        mechanism.system.thing<dynamics::Body>(fmt::format("rod{}", N)),
@@ -52,47 +60,67 @@ inline mechanics::Mechanism make_taut(int N, const mechanics::Method& method) {
   return mechanism;
 }
 
-/// The stiff and extreme cases of pendulum and chain, each with the outcome expected of it.
-inline measure::Stability stability() {
-  using integrators::Scheme;
-  using measure::accurate;
-  using measure::degraded;
-  using measure::drift;
-  using measure::energy_error;
-  using measure::refused;
-  using mechanics::Method;
-  using mechanics::Stabilization;
-  using Motion = mechanics::Motion<mechanics::Mechanism>;
+measure::Start of(const Scene& scene) {
+  return measure::start_of([=](const Method& method) { return make_mechanism(scene, method); });
+}
 
-  const auto of = [](const Scene& scene) -> measure::Start {
-    return [scene](const Method& method) {
-      return std::make_unique<Motion>(make_mechanism(scene, method), method);
-    };
-  };
-  const auto loaded = [](int links, double chain, double load) -> measure::Start {
-    return [=](const Method& method) {
-      return std::make_unique<Motion>(make_loaded(links, chain, load, method), method);
-    };
-  };
-  const Method rk4{Scheme::rk4}, projected{Scheme::rk4, Stabilization::projection},
-      feedback{Scheme::rk4, Stabilization::feedback, 100.0, 20.0},
-      midpoint{Scheme::implicit_midpoint, Stabilization::projection},
-      adaptive{Scheme::dop853, Stabilization::projection, 0.0, 0.0, 1e-8},
-      dop853{Scheme::dop853, Stabilization::projection};
-  const auto place = [=](const Scene& scene, const Method& method, long steps, double h) {
-    return measure::final_error(
-        of(scene), [=](const mechanics::Row& row) { return errors(scene, row); }, 0, method, steps,
-        h);
-  };
-  const auto scene_in = [=](const measure::Units& units) {
-    const auto& [L, T, m] = units;
-    const Scene here{.links = 3, .angle0 = 0.5};
-    const Scene there{here.links, here.length * L, here.mass * m, here.angle0,
-                      here.gravity * L / (T * T)};
-    return of(there);
-  };
+/// How far from the exact place [m] it is at the end of so many steps.
+std::function<double()> place(const Scene& scene, const Method& method, long steps, double h) {
+  return measure::final_error(
+      of(scene), [=](const mechanics::Row& row) { return errors(scene, row); }, 0, method, steps,
+      h);
+}
 
-  measure::Stability stability;
+/// The loaded chain at its start.
+measure::Start loaded(int links, double chain, double load) {
+  return measure::start_of(
+      [=](const Method& method) { return make_loaded(links, chain, load, method); });
+}
+
+measure::Start scene_in(const measure::Units& units) {
+  Scene there{.links = 3, .angle0 = 0.5};
+  there.length *= units.length;
+  there.mass *= units.mass;
+  there.gravity *= units.acceleration();
+  return of(there);
+}
+
+/// The cost of a step against the number of links: a table, the same as CSV, and its plot.
+void report_cost(const std::filesystem::path& out) {
+  const CostTable costs = measure_costs();
+  fmt::print("\n{}", table(costs));
+  const auto write = [&](const std::string& name, const std::string& content) {
+    files::write_file(out / name, content);
+    fmt::print("{}\n", (out / name).string());
+  };
+  write("cost_vs_links.txt", table(costs));
+  write("cost_vs_links.csv", csv(costs));
+  const pictures::Picture picture = cost_picture(read_costs(out / "cost_vs_links.csv"));
+  write(picture.name + ".png", draw::encode_png(draw::render({}, picture.draw)));
+}
+
+}  // namespace
+
+std::vector<double> errors(const Scene& scene, const mechanics::Row& row) {
+  const int N = scene.links;
+  if (N > longest_with_exact_answer) return {};
+  const std::optional<Exact> truth =
+      N == 1 ? exact_pendulum(scene, row.t) : ChainReference(scene).exact(row.t);
+  if (!truth) return {};
+  const double* rod = row.state.data() + 6 * (N - 1);  // x, y, θ, vx, vy, ω
+  const Vector2d half = scene.l() / 2 * direction(rod[2]);
+  const Vector2d end = Vector2d(rod[0], rod[1]) + half;
+  const Vector2d end_velocity = Vector2d(rod[3], rod[4]) + rod[5] * Vector2d(-half.y(), half.x());
+  const Vector2d pin_force(row.reactions[0], row.reactions[1]);
+  return {(end - truth->end).norm(), (end_velocity - truth->end_velocity).norm(),
+          (pin_force - truth->pin_force).norm()};
+}
+
+measure::Stability stability() {
+  using namespace measure;
+  using namespace measure::usual;
+
+  Stability stability;
   // [cases]
   stability.cases = {
       {"a swing of 1e-6 rad", "place, m", accurate(1e-14),
@@ -171,12 +199,12 @@ inline measure::Stability stability() {
              .constraint_error;
        }},
       {"feedback past its limit: h√ks = 5", "", refused("kinetic energy"),
-       energy_error(of({}), {Scheme::rk4, Stabilization::feedback, 1e6, 2e3}, 2000, 0.005)},
+       energy_error(of({}), feedback(1e6, 2e3), 2000, 0.005)},
       {"steps of 0.5 s with explicit_euler", "", refused("kinetic energy"),
        energy_error(of({}), {Scheme::explicit_euler, Stabilization::projection}, 1000, 0.5)},
   };
   // [cases]
-  stability.add_units(scene_in, {rk4, projected, feedback, midpoint, adaptive}, 100, 2e-3);
+  stability.add_units(scene_in, {rk4, projected, feedback(100, 20), midpoint, adaptive}, 100, 2e-3);
 
   stability.add_feedback(of({.links = 2}), {.step = 1e-5, .nudge = 1e-5});
   stability.map_remark = "Measured on a falling chain of two rods.";
@@ -190,6 +218,45 @@ inline measure::Stability stability() {
                   {dop853, false}},
       .start = of({})};
   return stability;
+}
+
+int study(int argc, char** argv) {
+  Scene scene;
+  app::Chapter chapter;
+  chapter.directory = "05_revolute";
+  chapter.title = "Revolute joint";
+
+  const app::Range lengths{1e-6, 1e6}, angles{-100.0, 100.0};
+  chapter.parameters = {
+      {"--links", "", "rods in the chain", &scene.links, {1, 1000}},
+      {"--length", "m", "of all rods together", &scene.length, lengths},
+      {"--mass", "kg", "of all rods together", &scene.mass, app::positive, app::acts},
+      {"--angle0", "rad", "start, at rest: from +x towards +y, which is down", &scene.angle0,
+       angles},
+      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, app::not_negative, app::acts},
+  };
+  chapter.defaults = {.duration = 5.0, .step = 0.005};
+  chapter.fastest = [&scene] { return scene.fastest(); };
+
+  chapter.start =
+      measure::start_of([&scene](const Method& method) { return make_mechanism(scene, method); });
+
+  chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}, {"pin force", "N"}};
+  chapter.errors = [&scene](const mechanics::Row& row) { return errors(scene, row); };
+
+  chapter.ladder = {.methods = measure::methods_to_compare(100.0, 20.0),
+                    .duration = 2.0,
+                    .coarsest = 0.1,
+                    .rungs = 15};
+  chapter.also_report = report_cost;
+
+  chapter.stability = revolute::stability;
+
+  chapter.pictures = [&scene](const measure::RunOptions& run) {
+    return revolute::pictures(scene, run);
+  };
+  chapter.stage = [&scene](const measure::RunOptions& run) { return revolute::stage(scene, run); };
+  return app::run_chapter(argc, argv, chapter);
 }
 
 }  // namespace revolute
