@@ -129,6 +129,7 @@ TEST_CASE("pin force of the rod released from horizontal: (5/2) m g sin θ and (
     v << xdot, omega;
     Mechanism& model = rod.model();
     mechanics::Row row;
+    row.measures = model.measures(t, q, v);
     model.observe(t, q, v, row);
     CHECK((Vector2d(row.reactions[0], row.reactions[1]) - expected).norm() < 1e-13 * weight);
     // The pin sits at −L/2 from the centre of mass: its moment about it is that lever times force.
@@ -441,6 +442,7 @@ TEST_CASE("solution 1: struck at two thirds of its length, the pin feels nothing
     const double blow = 5.0, lever = (at - 0.5) * scene.length;  // along −x, below the centre
     rod.system.apply(rod.system.thing<Body>("rod"), Vector3d(-blow, 0.0, lever * blow));
     mechanics::Row row;
+    row.measures = rod.measures(0.0, rod.initial_position(), rod.initial_velocity());
     rod.observe(0.0, rod.initial_position(), rod.initial_velocity(), row);
     // m L² θ̈/3 = at L · blow about the pin, and m a = −m θ̈ L/2 = pin − blow: so the force of the
     // pin is blow (1 − 3 at/2) against the blow.

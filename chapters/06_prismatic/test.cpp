@@ -295,6 +295,7 @@ TEST_CASE("solution 1: pushed at its lower edge the block feels a moment, and sl
   block.system.apply(block.system.thing<Body>("block"),
                      Vector3d(force.x(), force.y(), arm.x() * force.y() - arm.y() * force.x()));
   mechanics::Row row;
+  row.measures = block.measures(0.0, block.initial_position(), block.initial_velocity());
   block.observe(0.0, block.initial_position(), block.initial_velocity(), row);
   CHECK(row.reactions[2] == Approx(push * 0.05).epsilon(1e-13));
   VectorXd a(3);
