@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "instruments/files/table.hpp"
 #include "instruments/measure/clock.hpp"
 #include "mechanics/motion/motion.hpp"
 #include "scene.hpp"
@@ -27,20 +28,16 @@ inline std::string left_out_table() {
   };
   const dynamics::Counts with = counts(true), without = counts(false);
   const double seconds_with = seconds_per_step(true), seconds_without = seconds_per_step(false);
-  std::string text =
-      fmt::format("{:<34}{:>12}{:>12}\n", "a rod on a grounded plate", "simulated", "left out");
-  const auto line = [&](const char* name, auto a, auto b) {
-    text += fmt::format("  {:<32}{:>12}{:>12}\n", name, a, b);
-  };
-  line("coordinates", with.coordinates, without.coordinates);
-  line("rows", with.rows, without.rows);
-  line("degrees of freedom", with.degrees_of_freedom, without.degrees_of_freedom);
-  line("blocks of J", with.jacobian_blocks, without.jacobian_blocks);
-  line("blocks of the factor", with.factor_blocks, without.factor_blocks);
-  line("RK4 step, µs", fmt::format("{:.2f}", 1e6 * seconds_with),
-       fmt::format("{:.2f}", 1e6 * seconds_without));
-  return text + fmt::format("leaving it out saves {:.0f} % of the time\n",
-                            100.0 * (1.0 - seconds_without / seconds_with));
+  files::Table table({"a rod on a grounded plate", "simulated", "left out"});
+  table.add("  coordinates", with.coordinates, without.coordinates);
+  table.add("  rows", with.rows, without.rows);
+  table.add("  degrees of freedom", with.degrees_of_freedom, without.degrees_of_freedom);
+  table.add("  blocks of J", with.jacobian_blocks, without.jacobian_blocks);
+  table.add("  blocks of the factor", with.factor_blocks, without.factor_blocks);
+  table.add("  RK4 step, µs", fmt::format("{:.2f}", 1e6 * seconds_with),
+            fmt::format("{:.2f}", 1e6 * seconds_without));
+  return table.text({-34, 12, 12}) + fmt::format("leaving it out saves {:.0f} % of the time\n",
+                                                 100.0 * (1.0 - seconds_without / seconds_with));
 }
 
 }  // namespace ground

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "full_matrices.hpp"
+#include "instruments/files/table.hpp"
 #include "instruments/measure/clock.hpp"
 #include "instruments/measure/ladder.hpp"
 #include "mechanics/integrators/integrator.hpp"
@@ -82,43 +82,39 @@ inline double growth(const CostTable& costs, int from, int to, double Cost::*sec
 
 /// For the eye.
 inline std::string table(const CostTable& costs) {
-  std::string text = fmt::format("{:>8}{:>20}{:>14}{:>14}\n", "links", "full matrices, µs",
-                                 "blocks, µs", "a link, µs");
+  files::Table table({"links", "full matrices, µs", "blocks, µs", "a link, µs"});
   for (const Cost& cost : costs.rows)
-    text += fmt::format("{:>8}{:>20}{:>14.4g}{:>14.3g}\n", cost.links,
-                        std::isnan(cost.full) ? "–" : fmt::format("{:.4g}", 1e6 * cost.full),
-                        1e6 * cost.blocks, 1e6 * cost.blocks / cost.links);
-  return text + fmt::format(
-                    "the step in blocks grows as N^{:.2f} from 10 links to 1000 and as N^{:.2f} "
-                    "to 10000, that in full matrices as N^{:.2f} from 30 to 300\n",
-                    growth(costs, 10, 1000, &Cost::blocks), growth(costs, 10, 10000, &Cost::blocks),
-                    growth(costs, 30, 300, &Cost::full));
+    table.add(cost.links, std::isnan(cost.full) ? "–" : files::digits(1e6 * cost.full, 4),
+              files::digits(1e6 * cost.blocks, 4),
+              files::digits(1e6 * cost.blocks / cost.links, 3));
+  return table.text({8, 20, 14, 14}) +
+         fmt::format(
+             "the step in blocks grows as N^{:.2f} from 10 links to 1000 and as N^{:.2f} "
+             "to 10000, that in full matrices as N^{:.2f} from 30 to 300\n",
+             growth(costs, 10, 1000, &Cost::blocks), growth(costs, 10, 10000, &Cost::blocks),
+             growth(costs, 30, 300, &Cost::full));
 }
 
 /// As comma-separated values under comment lines, and back. read_costs throws std::runtime_error
 /// where the file does not fit.
 inline std::string csv(const CostTable& costs) {
-  std::string text;
-  for (const std::string& line : costs.machine) text += fmt::format("# machine: {}\n", line);
-  text += "links,blocks_seconds,full_seconds\n";
-  for (const Cost& cost : costs.rows) {
-    text += fmt::format("{},{:.6g},", cost.links, cost.blocks);
-    text += std::isnan(cost.full) ? "\n" : fmt::format("{:.6g}\n", cost.full);
-  }
-  return text;
+  files::Table table({"links", "blocks_seconds", "full_seconds"});
+  for (const std::string& line : costs.machine) table.note("machine", line);
+  for (const Cost& cost : costs.rows)
+    table.add(cost.links, files::digits(cost.blocks), files::digits(cost.full));
+  return table.csv();
 }
 
 inline CostTable read_costs(const std::filesystem::path& path) {
-  std::ifstream stream(path);
   CostTable costs;
-  const std::string machine = "# machine: ";
-  for (std::string line; std::getline(stream, line);) {
-    Cost cost{0, 0.0, std::numeric_limits<double>::quiet_NaN()};
-    if (line.starts_with(machine))
-      costs.machine.push_back(line.substr(machine.size()));
-    else if (std::sscanf(line.c_str(), "%d,%lf,%lf", &cost.links, &cost.blocks, &cost.full) >= 2)
-      costs.rows.push_back(cost);
-  }
+  files::read_csv(
+      path,
+      [&](const files::SavedRow& row) {
+        costs.rows.push_back({row.number<int>("links"), row.number("blocks_seconds"),
+                              row["full_seconds"].empty() ? std::numeric_limits<double>::quiet_NaN()
+                                                          : row.number("full_seconds")});
+      },
+      [&](const std::string&, const std::string& line) { costs.machine.push_back(line); });
   if (costs.rows.size() < 2)
     throw std::runtime_error(fmt::format("{}: not a table of costs", path.string()));
   return costs;

@@ -16,6 +16,7 @@
 #include "app/snapshot.hpp"
 #include "instruments/files/files.hpp"
 #include "instruments/files/progress.hpp"
+#include "instruments/files/table.hpp"
 #include "instruments/measure/clock.hpp"
 #include "instruments/measure/report.hpp"
 #include "instruments/pictures/stability_pictures.hpp"
@@ -296,26 +297,23 @@ class Trajectory {
  public:
   Trajectory(const std::string& name, const mechanics::Columns& columns) {
     if (name != "-") file_.emplace(name);
-    std::string header = "t";
-    for (const std::string& column : columns.state) header += "," + column;
-    header += ",energy,constraint_error,velocity_error";
-    for (const std::string& column : columns.reactions) header += "," + column;
-    put(header + "\n");
+    files::Table::Row header{"t"};
+    header.insert(header.end(), columns.state.begin(), columns.state.end());
+    header.insert(header.end(), {"energy", "constraint_error", "velocity_error"});
+    header.insert(header.end(), columns.reactions.begin(), columns.reactions.end());
+    put(files::csv_line(header));
   }
 
   void add(const mechanics::Row& row) {
-    line_.clear();
-    const auto value = [this](double number) {
-      fmt::format_to(std::back_inserter(line_), "{}{:.17g}", line_.empty() ? "" : ",", number);
-    };
+    cells_.clear();
+    const auto value = [this](double number) { cells_.push_back(files::digits(number, 17)); };
     value(row.t);
     for (const double number : row.state) value(number);
     value(row.measures.energy);
     value(row.measures.constraint_error);
     value(row.measures.velocity_error);
     for (const double number : row.reactions) value(number);
-    line_ += '\n';
-    put(line_);
+    put(files::csv_line(cells_));
   }
 
   void finish() {
@@ -334,7 +332,7 @@ class Trajectory {
   }
 
   std::optional<files::NewFile> file_;
-  std::string line_;
+  files::Table::Row cells_;
 };
 
 bool is_finite(const mechanics::Row& row) {

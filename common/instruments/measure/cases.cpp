@@ -4,14 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
-#include <stdexcept>
+
+#include "instruments/files/table.hpp"
 
 namespace measure {
 namespace {
 
 using Outcome = Expected::Outcome;
+
+constexpr char separator = ';';  // of the files: names of cases hold commas
 
 std::string text(const Expected& expected) {
   switch (expected.outcome) {
@@ -30,40 +32,12 @@ bool fits(const Expected& expected, double figure) {
          figure <= expected.most;
 }
 
-/// Letters as the reader counts them; fmt pads by these too.
-constexpr std::size_t widest_name = 50, widest_figure = 34, widest_found = 120;
+constexpr std::size_t widest_found = 120;
 
 /// What a table has room for; the whole stands in the CSV.
 std::string shortened(const std::string& found) {
   const std::string first = found.substr(0, found.find(';'));
   return first.size() <= widest_found ? first : first.substr(0, widest_found - 3) + "...";
-}
-
-std::string without_semicolons(std::string text) {
-  std::replace(text.begin(), text.end(), ';', ',');
-  return text;
-}
-
-/// The cells of a saved table, row by row, without its header.
-std::vector<std::vector<std::string>> read_rows(const std::filesystem::path& path,
-                                                std::size_t columns) {
-  std::ifstream stream(path);
-  std::string line;
-  if (!std::getline(stream, line))
-    throw std::runtime_error(fmt::format("cannot read {}", path.string()));
-  std::vector<std::vector<std::string>> rows;
-  while (std::getline(stream, line)) {
-    std::vector<std::string> cells{""};
-    for (const char c : line)
-      if (c == ';')
-        cells.emplace_back();
-      else
-        cells.back() += c;
-    if (cells.size() != columns)
-      throw std::runtime_error(fmt::format("{}: this line does not fit: {}", path.string(), line));
-    rows.push_back(cells);
-  }
-  return rows;
 }
 
 /// The unit of a column by its name: places, velocities, angles, rates, forces, moments.
@@ -189,87 +163,85 @@ void Stability::add_units(const std::function<measure::Start(const Units&)>& sce
 }
 
 std::string table(const std::vector<CaseResult>& verdicts) {
-  std::string result = fmt::format("{:<{}}{:<{}}{:<26}{}\n", "case", widest_name, "measured",
-                                   widest_figure, "expected", "found");
+  files::Table table({"case", "measured", "expected", "found"});
   long unexpected = 0;
-  for (const CaseResult& verdict : verdicts) {
-    result += fmt::format("{:<{}}{:<{}}{:<26}{}{}\n", verdict.name, widest_name, verdict.figure,
-                          widest_figure, verdict.expected, shortened(verdict.found),
-                          verdict.as_expected ? "" : "   NOT AS EXPECTED");
-    unexpected += verdict.as_expected ? 0 : 1;
+  for (const CaseResult& v : verdicts) {
+    table.add(v.name, v.figure, v.expected,
+              shortened(v.found) + (v.as_expected ? "" : "   NOT AS EXPECTED"));
+    unexpected += v.as_expected ? 0 : 1;
   }
-  return result + fmt::format("{} cases, {} not as expected\n", verdicts.size(), unexpected);
+  return table.text({-50, -34, -26}) +
+         fmt::format("{} cases, {} not as expected\n", verdicts.size(), unexpected);
 }
 
 std::string table(const std::vector<measure::LongCurve>& curves) {
-  std::string result = fmt::format("{:<32}{:>24}{:>16}  {}\n", "energy over a long run",
-                                   "at the end, relative", "grows as t^", "which is");
+  files::Table table(
+      {"energy over a long run", "at the end, relative", "grows as t^", "  which is"});
   for (const measure::LongCurve& curve : curves) {
     if (!curve.failure.empty()) {
-      result += fmt::format("{:<32}  failed: {}\n", curve.method, curve.failure);
+      table.add(curve.method, "  failed: " + curve.failure);
       continue;
     }
     const bool lost = !curve.bounded() && curve.exponent() < 0.25;
-    result +=
-        fmt::format("{:<32}{:>24.2e}{:>16}  {}{}\n", curve.method, curve.looks.back().energy_error,
-                    lost ? "" : fmt::format("{:.2f}", curve.exponent()),
-                    curve.bounded() ? "bounded"
-                    : lost          ? "no longer the motion"
-                                    : "growing",
-                    curve.bounded() == curve.expected_bounded ? "" : ": NOT AS EXPECTED");
+    const std::string which = curve.bounded() ? "bounded"
+                              : lost          ? "no longer the motion"
+                                              : "growing";
+    table.add(curve.method, fmt::format("{:.2e}", curve.looks.back().energy_error),
+              lost ? "" : fmt::format("{:.2f}", curve.exponent()),
+              fmt::format("  {}{}", which,
+                          curve.bounded() == curve.expected_bounded ? "" : ": NOT AS EXPECTED"));
   }
-  return result;
+  return table.text({-32, 24, 16});
 }
 
 std::string csv(const std::vector<CaseResult>& verdicts) {
-  std::string result = "case;measured;expected;found;as expected\n";
-  for (const CaseResult& v : verdicts) {
-    result += fmt::format("{};{};{};{};{}\n", v.name, v.figure, v.expected,
-                          without_semicolons(v.found), v.as_expected ? "yes" : "no");
-  }
-  return result;
+  files::Table table({"case", "measured", "expected", "found", "as expected"});
+  for (const CaseResult& v : verdicts)
+    table.add(v.name, v.figure, v.expected, v.found, v.as_expected ? "yes" : "no");
+  return table.csv(separator);
 }
 
 std::vector<CaseResult> read_verdicts(const std::filesystem::path& path) {
   std::vector<CaseResult> verdicts;
-  for (const auto& cells : read_rows(path, 5))
-    verdicts.push_back({cells[0], cells[1], cells[2], cells[3], cells[4] == "yes"});
+  const auto take = [&](const files::SavedRow& row) {
+    verdicts.push_back(
+        {row["case"], row["measured"], row["expected"], row["found"], row["as expected"] == "yes"});
+  };
+  files::read_csv(path, take, {}, separator);
   return verdicts;
 }
 
 std::string csv(const std::vector<measure::Map>& maps) {
-  std::string result = "integrator;x;y;stable;theory;compared\n";
+  files::Table table({"integrator", "x", "y", "stable", "theory", "compared"});
   for (const measure::Map& map : maps)
     for (const measure::Cell& cell : map.cells)
-      result += fmt::format("{};{:.6g};{:.6g};{:d};{:d};{:d}\n",
-                            integrators::info(map.plan.integrator).text, cell.x, cell.y,
-                            cell.stable, cell.theory, cell.compared);
-  return result;
+      table.add(integrators::info(map.plan.integrator).text, files::digits(cell.x),
+                files::digits(cell.y), int{cell.stable}, int{cell.theory}, int{cell.compared});
+  return table.csv(separator);
 }
 
 std::string csv(const std::vector<measure::LongCurve>& curves) {
-  std::string result = "method;expected;t;energy_error;failure\n";
+  files::Table table({"method", "expected", "t", "energy_error", "failure"});
   for (const measure::LongCurve& curve : curves) {
     const char* expected = curve.expected_bounded ? "bounded" : "growing";
     for (const auto& [t, error] : curve.looks)
-      result += fmt::format("{};{};{:.9g};{:.6g};\n", curve.method, expected, t, error);
-    if (!curve.failure.empty())
-      result +=
-          fmt::format("{};{};;;{}\n", curve.method, expected, without_semicolons(curve.failure));
+      table.add(curve.method, expected, files::digits(t, 9), files::digits(error), "");
+    if (!curve.failure.empty()) table.add(curve.method, expected, "", "", curve.failure);
   }
-  return result;
+  return table.csv(separator);
 }
 
 std::vector<measure::LongCurve> read_curves(const std::filesystem::path& path) {
   std::vector<measure::LongCurve> curves;
-  for (const auto& cells : read_rows(path, 5)) {
-    if (curves.empty() || curves.back().method != cells[0])
-      curves.push_back({.method = cells[0], .expected_bounded = cells[1] == "bounded"});
-    if (cells[4].empty())
-      curves.back().looks.push_back({std::stod(cells[2]), std::stod(cells[3])});
+  const auto take = [&](const files::SavedRow& row) {
+    if (curves.empty() || curves.back().method != row["method"])
+      curves.push_back({.method = row["method"], .expected_bounded = row["expected"] == "bounded"});
+    if (row["failure"].empty())
+      curves.back().looks.push_back({row.number("t"), row.number("energy_error")});
     else
-      curves.back().failure = cells[4];
-  }
+      curves.back().failure = row["failure"];
+  };
+  files::read_csv(path, take, {}, separator);
   return curves;
 }
 

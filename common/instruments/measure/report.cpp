@@ -4,26 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <sstream>
-#include <stdexcept>
+
+#include "instruments/files/table.hpp"
 
 namespace measure {
 namespace {
-
-std::vector<std::string> split(const std::string& line, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream stream(line);
-  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
-  if (line.ends_with(separator)) parts.emplace_back();
-  return parts;
-}
-
-std::string without_commas(std::string text) {
-  std::replace(text.begin(), text.end(), ',', ';');
-  return text;
-}
 
 std::string order_text(const measure::Rung* coarse, const measure::Rung& fine, std::size_t k) {
   if (coarse == nullptr || fine.tolerance > 0.0) return "";
@@ -33,10 +19,9 @@ std::string order_text(const measure::Rung* coarse, const measure::Rung& fine, s
 
 std::string time_table(const Report& report) {
   const auto& first = report.quantities.front();
-  std::string text = fmt::format("{:<34}", fmt::format("time to reach, ms ({} error)", first.name));
+  files::Table table({fmt::format("time to reach, ms ({} error)", first.name)});
   for (const double level : error_levels)
-    text += fmt::format("{:>14}", fmt::format("{:g} {}", level, first.unit));
-  text += "\n";
+    table.header().push_back(fmt::format("{:g} {}", level, first.unit));
   std::vector<std::string> names = methods(report);
   const auto price = [&](const std::string& name) {  // fastest first, by the hardest level reached
     std::vector<double> times;
@@ -47,15 +32,13 @@ std::string time_table(const Report& report) {
   std::stable_sort(names.begin(), names.end(),
                    [&](const auto& a, const auto& b) { return price(a) < price(b); });
   for (const std::string& name : names) {
-    text += fmt::format("  {:<32}", name);
+    files::Table::Row& row = table.add("  " + name);
     for (const double level : error_levels) {
       const double seconds = time_to_reach(report, name, level);
-      text += std::isfinite(seconds) ? fmt::format("{:>14.3g}", 1e3 * seconds)
-                                     : fmt::format("{:>14}", "not reached");
+      row.push_back(std::isfinite(seconds) ? files::digits(1e3 * seconds, 3) : "not reached");
     }
-    text += "\n";
   }
-  return text;
+  return table.text({-34, 14, 14, 14});
 }
 
 }  // namespace
@@ -100,105 +83,94 @@ std::string table(const Report& report) {
       fmt::format("{}: error against run time, {:g} s of motion\n", report.title, report.duration);
   for (const std::string& line : report.machine) text += "  " + line + "\n";
 
-  text += fmt::format("\n{:<28}{:>12}{:>12}{:>12}", "method", "step s", "evaluations", "time ms");
-  for (const auto& quantity : report.quantities)
-    text += fmt::format("{:>22}{:>7}", fmt::format("{} {}", quantity.name, quantity.unit), "order");
-  text += fmt::format("{:>12}{:>12}\n", "|C| " + report.constraint_unit, "energy J");
+  files::Table table({"method", "step s", "evaluations", "time ms"});
+  std::vector<int> widths{-28, 12, 12, 12};
+  for (const auto& quantity : report.quantities) {
+    table.header().insert(table.header().end(), {quantity.name + " " + quantity.unit, "order"});
+    widths.insert(widths.end(), {22, 7});
+  }
+  table.header().insert(table.header().end(), {"|C| " + report.constraint_unit, "energy J"});
+  widths.insert(widths.end(), {12, 12});
 
   const measure::Rung* coarse = nullptr;
   for (const measure::Rung& rung : report.rungs) {
     if (coarse != nullptr && coarse->method != rung.method) {
       coarse = nullptr;
-      text += "\n";
+      table.add();
     }
-    text += rung.tolerance > 0.0
-                ? fmt::format("{:<28}{:>12}", rung.method, fmt::format("tol {:g}", rung.tolerance))
-                : fmt::format("{:<28}{:>12.6g}", rung.method, rung.step);
+    files::Table::Row& row =
+        table.add(rung.method, rung.tolerance > 0.0 ? fmt::format("tol {:g}", rung.tolerance)
+                                                    : files::digits(rung.step));
+    const auto add = [&row](auto... cells) { (row.push_back(cells), ...); };
     if (rung.errors.empty()) {
-      text += fmt::format("  failed: {}\n", rung.failure);
+      add("  failed: " + rung.failure);
     } else {
-      text += fmt::format("{:>12}{:>12.4g}", rung.evaluations, 1e3 * rung.seconds);
+      add(fmt::format("{}", rung.evaluations), files::digits(1e3 * rung.seconds, 4));
       for (std::size_t k = 0; k < rung.errors.size(); ++k)
-        text += fmt::format("{:>22.2e}{:>7}", rung.errors[k], order_text(coarse, rung, k));
-      text += fmt::format("{:>12.2e}{:>12.2e}{}\n", rung.constraint_error, rung.energy_error,
-                          rung.far_off.empty() ? "" : "  far off: " + rung.far_off);
+        add(fmt::format("{:.2e}", rung.errors[k]), order_text(coarse, rung, k));
+      add(fmt::format("{:.2e}", rung.constraint_error), fmt::format("{:.2e}", rung.energy_error));
+      if (!rung.far_off.empty()) add("  far off: " + rung.far_off);
     }
     coarse = &rung;
   }
-
-  return text + "\n" + time_table(report);
+  return text + "\n" + table.text(widths) + "\n" + time_table(report);
 }
 
 std::string csv(const Report& report) {
-  std::string text = fmt::format("# title: {}\n# duration: {:.17g}\n# constraint_unit: {}\n",
-                                 report.title, report.duration, report.constraint_unit);
+  using files::digits;
+  files::Table table({"method", "order", "tolerance", "step", "steps", "evaluations", "seconds",
+                      "constraint_error", "energy_error", "far_off", "failure"});
+  table.note("title", report.title);
+  table.note("duration", digits(report.duration, 17));
+  table.note("constraint_unit", report.constraint_unit);
   for (const auto& quantity : report.quantities)
-    text += fmt::format("# quantity: {}|{}\n", quantity.name, quantity.unit);
-  for (const std::string& line : report.machine) text += fmt::format("# machine: {}\n", line);
-  if (!report.remark.empty()) text += fmt::format("# remark: {}\n", report.remark);
-  text +=
-      "method,order,tolerance,step,steps,evaluations,seconds,constraint_error,energy_error,far_off,"
-      "failure";
-  for (const auto& quantity : report.quantities) text += "," + quantity.name + "_error";
-  text += "\n";
+    table.note("quantity", quantity.name + "|" + quantity.unit);
+  for (const std::string& line : report.machine) table.note("machine", line);
+  if (!report.remark.empty()) table.note("remark", report.remark);
+  for (const auto& quantity : report.quantities) table.header().push_back(quantity.name + "_error");
   for (const measure::Rung& r : report.rungs) {
-    text += fmt::format("{},{},{:g},{:.17g},{},{},{:.6g},{:.17g},{:.17g},{},{}", r.method, r.order,
-                        r.tolerance, r.step, r.steps, r.evaluations, r.seconds, r.constraint_error,
-                        r.energy_error, r.far_off, without_commas(r.failure));
+    files::Table::Row& row =
+        table.add(r.method, r.order, digits(r.tolerance), digits(r.step, 17), r.steps,
+                  r.evaluations, digits(r.seconds), digits(r.constraint_error, 17),
+                  digits(r.energy_error, 17), r.far_off, r.failure);
     for (std::size_t k = 0; k < report.quantities.size(); ++k)
-      text += r.errors.empty() ? "," : fmt::format(",{:.17g}", r.errors[k]);
-    text += "\n";
+      row.push_back(r.errors.empty() ? "" : digits(r.errors[k], 17));
   }
-  return text;
+  return table.csv();
 }
 
 Report read_csv(const std::filesystem::path& path) {
-  std::ifstream stream(path);
-  if (!stream) throw std::runtime_error(fmt::format("cannot read {}", path.string()));
   Report report;
-  std::vector<std::string> header;
-  for (std::string line; std::getline(stream, line);) {
-    try {
-      if (line.starts_with("# ")) {
-        const std::size_t colon = line.find(": ");
-        const std::string name = line.substr(2, colon - 2), value = line.substr(colon + 2);
+  files::read_csv(
+      path,
+      [&](const files::SavedRow& row) {
+        Rung rung{.method = row["method"],
+                  .order = row.number<int>("order"),
+                  .tolerance = row.number("tolerance"),
+                  .step = row.number("step"),
+                  .steps = row.number<long>("steps"),
+                  .evaluations = row.number<long>("evaluations"),
+                  .seconds = row.number("seconds"),
+                  .constraint_error = row.number("constraint_error"),
+                  .energy_error = row.number("energy_error"),
+                  .far_off = row["far_off"],  // came later
+                  .failure = row["failure"]};
+        if (rung.failure.empty())
+          for (const auto& quantity : report.quantities)
+            rung.errors.push_back(row.number(quantity.name + "_error"));
+        report.rungs.push_back(rung);
+      },
+      [&](const std::string& name, const std::string& value) {
         if (name == "title") report.title = value;
         if (name == "duration") report.duration = std::stod(value);
         if (name == "constraint_unit") report.constraint_unit = value;
         if (name == "remark") report.remark = value;
         if (name == "machine") report.machine.push_back(value);
-        if (name == "quantity")
-          report.quantities.push_back({split(value, '|').at(0), split(value, '|').at(1)});
-      } else if (header.empty()) {
-        header = split(line, ',');
-      } else {
-        const std::vector<std::string> cells = split(line, ',');
-        const auto cell = [&](const char* name) -> std::string {  // far_off came later
-          const auto column = std::find(header.begin(), header.end(), name);
-          return column == header.end()
-                     ? ""
-                     : cells.at(static_cast<std::size_t>(column - header.begin()));
-        };
-        measure::Rung rung{.method = cell("method"),
-                           .order = std::stoi(cell("order")),
-                           .tolerance = std::stod(cell("tolerance")),
-                           .step = std::stod(cell("step")),
-                           .steps = std::stol(cell("steps")),
-                           .evaluations = std::stol(cell("evaluations")),
-                           .seconds = std::stod(cell("seconds")),
-                           .constraint_error = std::stod(cell("constraint_error")),
-                           .energy_error = std::stod(cell("energy_error")),
-                           .far_off = cell("far_off"),
-                           .failure = cell("failure")};
-        if (rung.failure.empty())
-          for (const auto& quantity : report.quantities)
-            rung.errors.push_back(std::stod(cell((quantity.name + "_error").c_str())));
-        report.rungs.push_back(rung);
-      }
-    } catch (const std::logic_error&) {  // std::out_of_range, std::invalid_argument
-      throw std::runtime_error(fmt::format("{}: this line does not fit: {}", path.string(), line));
-    }
-  }
+        if (name == "quantity") {
+          const std::size_t bar = value.find('|');
+          report.quantities.push_back({value.substr(0, bar), value.substr(bar + 1)});
+        }
+      });
   return report;
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "instruments/files/files.hpp"
+#include "instruments/files/table.hpp"
 #include "instruments/measure/ladder.hpp"
 #include "leave_it_out/rungs.hpp"
 
@@ -26,18 +27,17 @@ std::string machine() {
 std::string ladder_table() {
   const std::vector<Rung> rungs = slider_crank_ladder();
   const std::vector<Cost> costs = measure_costs(rungs);
-  std::string text =
-      fmt::format("{:<40}{:>12}{:>6}{:>13}{:>7}{:>18}{:>14}\n", "one RK4 step of the slider-crank",
-                  "coordinates", "rows", "allocations", "µs", "of the one above", "of the first");
+  files::Table table({"one RK4 step of the slider-crank", "coordinates", "rows", "allocations",
+                      "µs", "of the one above", "of the first"});
   for (std::size_t i = 0; i < rungs.size(); ++i) {
-    text += fmt::format("{:<40}{:>12}{:>6}{:>13}{:>7.2f}", rungs[i].name, rungs[i].coordinates,
-                        rungs[i].rows, costs[i].allocations, 1e6 * costs[i].seconds);
-    if (i > 0)
-      text += fmt::format("{:>18.2f}{:>14.3f}", costs[i].seconds / costs[i - 1].seconds,
-                          costs[i].seconds / costs[0].seconds);
-    text += '\n';
+    const double seconds = costs[i].seconds;
+    files::Table::Row& row = table.add(rungs[i].name, rungs[i].coordinates, rungs[i].rows,
+                                       costs[i].allocations, fmt::format("{:.2f}", 1e6 * seconds));
+    if (i == 0) continue;
+    row.push_back(fmt::format("{:.2f}", seconds / costs[i - 1].seconds));
+    row.push_back(fmt::format("{:.3f}", seconds / costs[0].seconds));
   }
-  return text;
+  return table.text({-40, 12, 6, 13, 7, 18, 14});
 }
 
 }  // namespace

@@ -7,16 +7,14 @@
 #include <limits>
 #include <set>
 
+#include "instruments/files/table.hpp"
+
 namespace peers {
 namespace {
 
 constexpr double levels[] = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10};
 const std::string dash = "–";
 
-/// Right-aligned by characters as they are seen, which fmt does for UTF-8.
-std::string cell(const std::string& text, int width = 11) {
-  return fmt::format("{:>{}}", text, width);
-}
 std::string number(double value) { return fmt::format("{:.3g}", value); }
 /// A number of milliseconds or a ratio: three digits, never as a power of ten.
 std::string plain(double value) {
@@ -36,11 +34,15 @@ std::string heading(const std::vector<std::string>& machine) {
   return text;
 }
 
-std::string level_row(const std::string& first) {
-  std::string text = fmt::format("{:<18}", first);
-  for (const double level : levels) text += cell(fmt::format("{:.0e}", level));
-  return text;
+/// With a column for each level.
+files::Table level_table() {
+  files::Table table({""});
+  for (const double level : levels) table.header().push_back(fmt::format("{:.0e}", level));
+  return table;
 }
+
+/// The engines' names, and columns beside them.
+std::string text(const files::Table& table) { return table.text({-18, 11, 11, 11, 11, 11}); }
 
 std::vector<int> lengths(const std::vector<Row>& rows) {
   std::set<int> parts;
@@ -94,75 +96,64 @@ double step_seconds(const std::vector<Row>& rows, const std::string& engine, int
 
 std::string csv(const std::vector<std::string>& machine, const std::vector<Row>& rows,
                 const std::string& error_unit) {
-  std::string text;
-  for (const std::string& line : machine) text += "# " + line + "\n";
-  text += fmt::format(
-      "engine,version,setting,is_default,parts,step_s,accuracy,steps,seconds,error_{},energy_error,"
-      "joint_gap_m,failure\n",
-      error_unit);
+  files::Table table({"engine", "version", "setting", "is_default", "parts", "step_s", "accuracy",
+                      "steps", "seconds", "error_" + error_unit, "energy_error", "joint_gap_m",
+                      "failure"});
+  for (const std::string& line : machine) table.note(line);
   for (const Row& row : rows) {
     const bool ran = row.failure.empty();
     const auto value = [](bool known, double number) {
-      return known ? fmt::format("{:.6g}", number) : std::string();
+      return known ? files::digits(number) : std::string();
     };
-    text += fmt::format(
-        "{},{},\"{}\",{},{},{},{},{},{},{},{},{},\"{}\"\n", row.engine, row.version, row.setting,
-        row.is_default ? 1 : 0, row.parts, value(row.rung == Rung::step, row.value),
-        value(row.rung == Rung::accuracy, row.value),
-        row.steps > 0 ? std::to_string(row.steps) : "", value(row.steps > 0, row.seconds),
-        value(ran && row.error, row.error.value_or(0)), value(ran, row.energy_error),
-        value(ran, row.joint_gap), row.failure);
+    table.add(row.engine, row.version, row.setting, row.is_default ? 1 : 0, row.parts,
+              value(row.rung == Rung::step, row.value),
+              value(row.rung == Rung::accuracy, row.value),
+              row.steps > 0 ? std::to_string(row.steps) : "", value(row.steps > 0, row.seconds),
+              value(ran && row.error, row.error.value_or(0)), value(ran, row.energy_error),
+              value(ran, row.joint_gap), row.failure);
   }
-  return text;
+  return table.csv();
 }
 
 std::string slider_crank_table(const Report& report) {
   const std::vector<Row>& rows = report.slider_crank;
-  std::string text =
-      "Slider-crank, 2 s: error of the wheel's angle at the end\n" + heading(report.machine);
-
-  text += "\nprocessor time [ms] of the cheapest run with an error [rad] of at most\n" +
-          level_row("") + "  by, at the last level reached\n";
+  files::Table prices = level_table(), ratios = level_table();
+  prices.header().push_back("  by, at the last level reached");
   for (const std::string& name : names(rows)) {
-    text += fmt::format("{:<18}", name);
+    files::Table::Row &price = prices.add(name), &ratio = ratios.add(name);
     const Row* hardest = nullptr;
     for (const double level : levels) {
-      const Row* row = cheapest(rows, name, level);
-      text += cell(row != nullptr ? plain(1e3 * row->seconds) : dash);
+      const Row *row = cheapest(rows, name, level), *own = cheapest(rows, ours, level);
+      price.push_back(row != nullptr ? plain(1e3 * row->seconds) : dash);
+      ratio.push_back(row != nullptr && own != nullptr ? plain(row->seconds / own->seconds) : dash);
       if (row != nullptr) hardest = row;
     }
-    if (hardest != nullptr) text += fmt::format("  {}, {}", hardest->setting, rung(*hardest));
-    text += "\n";
+    if (hardest != nullptr)
+      price.push_back(fmt::format("  {}, {}", hardest->setting, rung(*hardest)));
   }
 
-  text += "\nthe same, divided by the time of this solver\n" + level_row("") + "\n";
-  for (const std::string& name : names(rows)) {
-    text += fmt::format("{:<18}", name);
-    for (const double level : levels) {
-      const Row *row = cheapest(rows, name, level), *own = cheapest(rows, ours, level);
-      text += cell(row != nullptr && own != nullptr ? plain(row->seconds / own->seconds) : dash);
-    }
-    text += "\n";
-  }
-
-  text += "\neach engine as it comes, and what this solver pays for the same error\n";
-  text += fmt::format("{:<18}{:>11}{:>14}{:>14}{:>11}{:>11}  {}\n", "", "time [ms]", "error [rad]",
-                      "joint gap [m]", "ours [ms]", "ratio", "setting");
+  files::Table defaults(
+      {"", "time [ms]", "error [rad]", "joint gap [m]", "ours [ms]", "ratio", "  setting"});
   for (const Row& row : rows) {
     if (!row.is_default) continue;
-    text += fmt::format("{:<18}", row.engine);
+    const std::string setting = fmt::format("  {}, {}", row.setting, rung(row));
     if (!row.failure.empty()) {
-      text += fmt::format("  {}, {}: {}\n", row.setting, rung(row), row.failure);
+      defaults.add(row.engine, setting + ": " + row.failure);
       continue;
     }
     const Row* own = cheapest(rows, ours, *row.error);
-    text += cell(plain(1e3 * row.seconds)) + cell(number(*row.error), 14) +
-            cell(number(row.joint_gap), 14) +
-            cell(own != nullptr ? plain(1e3 * own->seconds) : dash) +
-            cell(own != nullptr ? plain(row.seconds / own->seconds) : dash) +
-            fmt::format("  {}, {}\n", row.setting, rung(row));
+    defaults.add(row.engine, plain(1e3 * row.seconds), number(*row.error), number(row.joint_gap),
+                 own != nullptr ? plain(1e3 * own->seconds) : dash,
+                 own != nullptr ? plain(row.seconds / own->seconds) : dash, setting);
   }
 
+  std::string text = "Slider-crank, 2 s: error of the wheel's angle at the end\n" +
+                     heading(report.machine) +
+                     "\nprocessor time [ms] of the cheapest run with an error [rad] of at most\n" +
+                     peers::text(prices) + "\nthe same, divided by the time of this solver\n" +
+                     peers::text(ratios) +
+                     "\neach engine as it comes, and what this solver pays for the same error\n" +
+                     defaults.text({-18, 11, 14, 14, 11, 11});
   const Row *accurate = cheapest(rows, ours, 1e-10), *usual = default_run(rows, "Box2D", 3);
   if (accurate != nullptr && usual != nullptr)
     text += fmt::format(
@@ -178,39 +169,41 @@ std::string chain_table(const Report& report) {
   const std::vector<int> parts = lengths(rows);
   std::string text = "Chain of N links, 0.5 s from horizontal\n" + heading(report.machine);
 
-  const auto head = [&](const std::string& first) {
-    std::string line = fmt::format("{:<18}", first);
-    for (const int n : parts) line += cell(fmt::format("N = {}", n));
-    return line;
+  const auto empty = [&] {
+    files::Table table({""});
+    for (const int n : parts) table.header().push_back(fmt::format("N = {}", n));
+    return table;
   };
   const auto table = [&](const std::string& title, auto value) {
-    text += "\n" + title + "\n" + head("") + "\n";
+    files::Table values = empty();
     for (const std::string& name : names(rows)) {
-      text += fmt::format("{:<18}", name);
-      for (const int n : parts) text += cell(value(name, n));
-      text += "\n";
+      files::Table::Row& row = values.add(name);
+      for (const int n : parts) row.push_back(value(name, n));
     }
+    text += "\n" + title + "\n" + peers::text(values);
   };
 
-  text += "\nprocessor time of one step [µs], and the exponent by which it grows from N to 10 N\n";
-  text += head("");
+  files::Table steps = empty();
+  std::vector<int> widths{-18};
+  widths.resize(1 + parts.size(), 11);
+  widths.resize(2 * parts.size(), 14);
   for (std::size_t i = 1; i < parts.size(); ++i)
-    text += cell(fmt::format("{} to {}", parts[i - 1], parts[i]), 14);
-  text += "\n";
+    steps.header().push_back(fmt::format("{} to {}", parts[i - 1], parts[i]));
   for (const std::string& name : names(rows)) {
-    text += fmt::format("{:<18}", name);
+    files::Table::Row& row = steps.add(name);
     for (const int n : parts) {
       const double seconds = step_seconds(rows, name, n);
-      text += cell(std::isfinite(seconds) ? plain(1e6 * seconds) : dash);
+      row.push_back(std::isfinite(seconds) ? plain(1e6 * seconds) : dash);
     }
     for (std::size_t i = 1; i < parts.size(); ++i) {
       const double growth =
           std::log(step_seconds(rows, name, parts[i]) / step_seconds(rows, name, parts[i - 1])) /
           std::log(double(parts[i]) / parts[i - 1]);
-      text += cell(std::isfinite(growth) ? fmt::format("{:.2f}", growth) : dash, 14);
+      row.push_back(std::isfinite(growth) ? fmt::format("{:.2f}", growth) : dash);
     }
-    text += "\n";
   }
+  text += "\nprocessor time of one step [µs], and the exponent by which it grows from N to 10 N\n" +
+          steps.text(widths);
 
   const auto of_default = [&](auto value) {
     return [&, value](const std::string& name, int n) {

@@ -7,19 +7,13 @@
 #include <limits>
 #include <sstream>
 
+#include "instruments/files/table.hpp"
 #include "random.hpp"
 
 namespace fuzz {
 namespace {
 
 constexpr double g = 9.81;
-
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream stream(line);
-  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
-  return cells;
-}
 
 /// Writes the scene's options and returns the fastest rate of its motion [rad/s].
 class Maker {
@@ -132,21 +126,12 @@ struct Shown {
 
 Shown read_table(const Coarse& coarse, const std::string& table) {
   std::istringstream stream(table);
-  std::string line;
-  std::getline(stream, line);
-  const std::vector<std::string> columns = split(line);
-  const auto column = [&](const std::string& name) {
-    return static_cast<std::size_t>(std::find(columns.begin(), columns.end(), name) -
-                                    columns.begin());
-  };
   const double far = std::numeric_limits<double>::infinity();
   double left = coarse.bottom > 0.0 ? 0.0 : far, right = -left, top = left, low = -left;
   Shown shown;
-  while (std::getline(stream, line)) {
-    const std::vector<std::string> cells = split(line);
+  files::read_csv(stream, "the trajectory", [&](const files::SavedRow& row) {
     const auto value = [&](const std::string& name) {
-      const std::size_t at = column(name);
-      return at < cells.size() ? std::strtod(cells[at].c_str(), nullptr) : 0.0;
+      return std::strtod(row[name].c_str(), nullptr);
     };
     double kinetic = 0.0;
     for (const auto& [name, mass] : coarse.masses) {
@@ -158,7 +143,7 @@ Shown read_table(const Coarse& coarse, const std::string& table) {
       if (std::isfinite(mass.m)) kinetic += 0.5 * mass.m * (vx * vx + vy * vy);
     }
     shown.kinetic = std::max(shown.kinetic, kinetic);
-  }
+  });
   shown.size = std::hypot(right - left, low - top) + 2.0 * coarse.radius;
   return shown;
 }
