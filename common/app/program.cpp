@@ -19,6 +19,7 @@
 #include "instruments/files/table.hpp"
 #include "instruments/measure/clock.hpp"
 #include "instruments/measure/report.hpp"
+#include "instruments/measure/run.hpp"
 #include "instruments/pictures/stability_pictures.hpp"
 #include "mechanics/integrators/amplification.hpp"
 #include "mechanics/motion/watch.hpp"
@@ -377,7 +378,7 @@ void print_uses(const mechanics::Uses& uses, double step) {
 struct Finished {
   mechanics::Row last;
   std::vector<double> errors;
-  double constraint_error = 0.0, velocity_error = 0.0, energy_error = 0.0;
+  measure::Largest largest;
   mechanics::Verdict verdict;
 };
 
@@ -388,7 +389,7 @@ struct FarFromRight : std::runtime_error {
 
 void print_summary(const Chapter& chapter, const measure::RunOptions& run,
                    mechanics::Simulation& simulation, const Finished& finished) {
-  const auto& [last, errors, constraint_error, velocity_error, energy_error, verdict] = finished;
+  const auto& [last, errors, largest, verdict] = finished;
   const auto line = [](const std::string& name, double value, const std::string& unit) {
     fmt::print("  {:<28}{:>12.3g} {}\n", name, value, unit);
   };
@@ -421,9 +422,9 @@ void print_summary(const Chapter& chapter, const measure::RunOptions& run,
   for (std::size_t k = 0; k < errors.size(); ++k)
     line(chapter.quantities[k].name, errors[k], chapter.quantities[k].unit);
   fmt::print("\nlargest over the run\n");
-  line("constraint error |C|", constraint_error, chapter.constraint_unit);
-  line("velocity error |J v|", velocity_error, chapter.constraint_unit + "/s");
-  line("energy error", energy_error, "J");
+  line("constraint error |C|", largest.constraint_error, chapter.constraint_unit);
+  line("velocity error |J v|", largest.velocity_error, chapter.constraint_unit + "/s");
+  line("energy error", largest.energy_error, "J");
   if (!verdict.right()) fmt::print("\nfar from right: {}\n", verdict.text());
 }
 
@@ -434,38 +435,37 @@ Finished run_to_the_end(const Chapter& chapter, const Request& request,
                         mechanics::Simulation& simulation, TakeRow&& take_row) {
   const measure::RunOptions& run = request.run;
   const long steps = run.whole_steps();
-  const double rest = run.remainder();
-  Finished finished;
+  Finished finished{simulation.row(), {}, measure::Largest(simulation.measures()), {}};
   mechanics::Row& last = finished.last;
   mechanics::Watch watch(simulation);
   {
     files::Progress progress;
     double next_row = 0.0;
-    for (long done = 0;; ++done) {
-      last = simulation.row();
-      watch.look(last.measures);
-      if (!is_finite(last))
-        throw mechanics::Diverged(mechanics::at(last.t) + "a force is no longer finite");
-      finished.constraint_error =
-          std::max(finished.constraint_error, last.measures.constraint_error);
-      finished.velocity_error = std::max(finished.velocity_error, last.measures.velocity_error);
-      const bool end = done == steps + (rest > 0.0 ? 1 : 0);
-      if (end || last.t >= next_row - 1e-9 * run.step) {
-        take_row(last);
-        if (run.every > 0.0) next_row = (std::floor(last.t / run.every + 1e-9) + 1.0) * run.every;
+    long done = 0;
+    const auto look = [&](const mechanics::Row& now) {
+      last = now;
+      watch.look(now.measures);
+      finished.largest.look(now.measures);
+      if (!is_finite(now))
+        throw mechanics::Diverged(mechanics::at(now.t) + "a force is no longer finite");
+      const bool end = done == steps + (run.remainder() > 0.0 ? 1 : 0);
+      if (end || now.t >= next_row - 1e-9 * run.step) {
+        take_row(now);
+        if (run.every > 0.0) next_row = (std::floor(now.t / run.every + 1e-9) + 1.0) * run.every;
       }
-      if (end) break;
-      if (done % 64 == 0)
+      if (done % 64 == 0 && !end)
         progress.show(static_cast<double>(done) / static_cast<double>(steps), "simulated");
-      simulation.advance(1, done < steps ? run.step : rest);
-    }
+      ++done;
+    };
+    look(last);
+    measure::run(simulation, {steps, run.step, 1, run.remainder()}, look);
     progress.show(1.0, "exact answer");
     finished.errors = chapter.errors(last);
   }
   for (const double error : finished.errors)
     if (!std::isfinite(error))
       throw mechanics::Diverged(mechanics::at(last.t) + "the error is no longer finite");
-  finished.energy_error = watch.largest_energy_error();
+  finished.largest.energy_error = watch.largest_energy_error();  // counts from a closed start
   finished.verdict = measure::judge(watch, chapter.quantities, finished.errors);
   if (!finished.verdict.right()) {
     const std::string text = fmt::format("{}; try {}", finished.verdict.text(),

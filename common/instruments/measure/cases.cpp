@@ -110,7 +110,7 @@ std::function<double()> drift(const measure::Start& start, const mechanics::Meth
 
 std::function<double()> energy_error(const measure::Start& start, const mechanics::Method& method,
                                      long steps, double h) {
-  return [=] { return measure::run_and_watch(*start(method), steps, h).energy_error; };
+  return [=] { return measure::run_and_watch(*start(method), steps, h).energy_part(); };
 }
 
 std::function<double()> final_error(const measure::Start& start, const measure::Errors& errors,

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "instruments/measure/clock.hpp"
+#include "instruments/measure/run.hpp"
 
 namespace measure {
 namespace {
@@ -22,25 +23,12 @@ constexpr long most_looks = 2000;
 /// A method that chooses its own steps is stopped at so many evenly spaced times.
 constexpr long intervals_of_tolerance = 4;
 
-/// The spaces of time by which a run is advanced: the steps, where they are given.
-struct Intervals {
-  long number;
-  double length;  ///< [s]
-};
-
-void run_for_errors(mechanics::Simulation& simulation, const Errors& errors,
-                    const Intervals& intervals, const std::vector<Quantity>& quantities,
-                    Rung& rung) {
+void run_for_errors(mechanics::Simulation& simulation, const Errors& errors, const Steps& intervals,
+                    const std::vector<Quantity>& quantities, Rung& rung) {
   mechanics::Watch watch(simulation);
-  const long stride = std::max(1L, intervals.number / most_looks);
-  for (long done = 0; done < intervals.number;) {
-    const long more = std::min(stride, intervals.number - done);
-    simulation.advance(more, intervals.length);
-    done += more;
-    const mechanics::Measures now = simulation.measures();
-    watch.look(now);
-    rung.constraint_error = std::max(rung.constraint_error, now.constraint_error);
-  }
+  Largest largest(simulation.measures());
+  run(simulation, intervals, watch, largest);
+  rung.constraint_error = largest.constraint_error;
   rung.energy_error = watch.largest_energy_error();
   rung.evaluations = simulation.evaluations();
   rung.steps = simulation.steps();
@@ -52,7 +40,7 @@ void run_for_errors(mechanics::Simulation& simulation, const Errors& errors,
   rung.far_off = judge(watch, quantities, rung.errors).words();
 }
 
-double run_for_time(mechanics::Simulation& simulation, const Intervals& intervals) {
+double run_for_time(mechanics::Simulation& simulation, const Steps& intervals) {
   return seconds_of(
       [&] {
         simulation.restart();
@@ -77,7 +65,7 @@ std::vector<Rung> climb(const Ladder& ladder, const Start& start, const Errors& 
                         const Progress& progress) {
   struct Task {
     mechanics::Method method;
-    Intervals intervals;
+    Steps intervals;
   };
   std::vector<Task> tasks;  // of each rung
   std::vector<Rung> rungs;
@@ -92,7 +80,8 @@ std::vector<Rung> climb(const Ladder& ladder, const Start& start, const Errors& 
     for (int i = 0; i < ladder.rungs; ++i) {
       const long number = method.tolerance > 0.0 ? intervals_of_tolerance : first << i;
       if (number > ladder.most_steps) break;
-      const Intervals intervals{number, ladder.duration / static_cast<double>(number)};
+      const Steps intervals{number, ladder.duration / static_cast<double>(number),
+                            std::max(1L, number / most_looks)};
       if (i > 0 && method.tolerance > 0.0) method.tolerance /= 10.0;
       if (method.tolerance > 0.0 && method.tolerance < 0.5 * mechanics::finest_tolerance) break;
       Rung rung{.method = method.label(), .order = integrator.order, .tolerance = method.tolerance};

@@ -26,21 +26,11 @@ mechanics::Method with_gains(integrators::Scheme name, double kd_h, double ks_h2
 
 }  // namespace
 
-Extremes run_and_watch(mechanics::Simulation& simulation, long steps, double h) {
+Largest run_and_watch(mechanics::Simulation& simulation, long steps, double h) {
   mechanics::Watch watch(simulation);
-  const double start = simulation.measures().balance();
-  Extremes worst;
-  double energy = 0.0, kinetic = simulation.measures().kinetic;
-  for (long done = 0; done < steps; ++done) {
-    simulation.advance(1, h);
-    const mechanics::Measures now = simulation.measures();
-    watch.look(now);
-    worst.constraint_error = std::max(worst.constraint_error, now.constraint_error);
-    energy = std::max(energy, std::abs(now.balance() - start));
-    kinetic = std::max(kinetic, now.kinetic);
-  }
-  worst.energy_error = energy == 0.0 ? 0.0 : energy / kinetic;
-  return worst;
+  Largest largest(simulation.measures());
+  run(simulation, {steps, h}, watch, largest);
+  return largest;
 }
 
 int Map::compared() const {
@@ -83,12 +73,12 @@ bool feedback_decays(const Start& start, const mechanics::Method& method,
   std::array<double, 4> largest{};  // of each quarter
   try {
     for (double& most : largest)
-      for (long look = 0; look < looks; ++look) {
-        simulation->advance(stride, trial.step);
-        const mechanics::Measures now = simulation->measures();
-        if (!now.finite() || now.constraint_error > 1e6 * at_start) return false;
-        most = std::max(most, now.constraint_error);
-      }
+      if (!run(*simulation, {looks * stride, trial.step, stride},
+               [&](const mechanics::Measures& now) {
+                 most = std::max(most, now.constraint_error);
+                 return now.finite() && now.constraint_error <= 1e6 * at_start;
+               }))
+        return false;
   } catch (const mechanics::Diverged&) {
     return false;
   }
@@ -139,8 +129,8 @@ LongCurve long_run(mechanics::Simulation& simulation, const LongMethod& method, 
   constexpr long most_measures = 64;  // between two of them
   constexpr long swings = 1000;       // steps, in which the scene has moved as fast as it does
   LongCurve curve{.method = method.method.label(), .expected_bounded = method.bounded};
-  const double start = simulation.measures().balance();
-  double energy = 0.0, kinetic = simulation.measures().kinetic;
+  Largest largest(simulation.measures());
+  double kinetic = largest.kinetic;  // in the first steps alone
   long done = 0;
   try {
     mechanics::Watch watch(simulation);
@@ -148,16 +138,11 @@ LongCurve long_run(mechanics::Simulation& simulation, const LongMethod& method, 
       const double part = std::pow(static_cast<double>(steps), static_cast<double>(look) / looks);
       const long until = std::max(done + 1, std::lround(part));
       const long stride = std::max(1L, (until - done) / most_measures);
-      while (done < until) {
-        const long more = std::min(stride, until - done);
-        simulation.advance(more, h);
-        done += more;
-        const mechanics::Measures now = simulation.measures();
-        watch.look(now);
-        energy = std::max(energy, std::abs(now.balance() - start));
-        if (done <= swings) kinetic = std::max(kinetic, now.kinetic);
-      }
-      curve.looks.push_back({simulation.time(), energy});
+      run(simulation, {until - done, h, stride}, watch, largest, [&](const mechanics::Measures&) {
+        done = std::min(until, done + stride);
+        if (done <= swings) kinetic = largest.kinetic;
+      });
+      curve.looks.push_back({simulation.time(), largest.energy_error});
     }
   } catch (const mechanics::Diverged& diverged) {
     curve.failure = diverged.what();

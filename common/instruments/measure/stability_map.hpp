@@ -6,19 +6,14 @@
 #include <vector>
 
 #include "instruments/measure/ladder.hpp"
+#include "instruments/measure/run.hpp"
 #include "mechanics/motion/method.hpp"
 #include "mechanics/motion/motion.hpp"
 
 namespace measure {
 
-/// The largest errors of a run.
-struct Extremes {
-  double constraint_error = 0.0;  ///< |C|, in its unit
-  double energy_error = 0.0;  ///< change of the energy balance, part of the largest kinetic energy
-};
-
 /// Runs `steps` steps of h [s] and looks at each. Throws Diverged as Watch does.
-Extremes run_and_watch(mechanics::Simulation& simulation, long steps, double h);
+Largest run_and_watch(mechanics::Simulation& simulation, long steps, double h);
 
 /// One integrator's plane of two numbers: where a run is stable, and what theory says.
 struct Plan {

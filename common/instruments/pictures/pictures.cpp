@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "instruments/draw/page.hpp"
+#include "instruments/measure/run.hpp"
 
 namespace pictures {
 
@@ -124,21 +125,21 @@ Drift drift(std::string label, mechanics::Simulation& simulation, double duratio
   const long window = std::max(std::min(least_steps, std::max(1L, steps / 20)), steps / windows);
   draw::Point constraint_error, energy_error;
   try {
-    for (long done = 1; done <= steps; ++done) {
-      simulation.advance(1, step);
-      const mechanics::Measures now = simulation.measures();
-      if (!now.finite()) break;
+    long done = 0;
+    measure::run(simulation, {steps, step}, [&](const mechanics::Measures& now) {
+      if (!now.finite()) return false;
       constraint_error = {simulation.time(), std::max(constraint_error.y, now.constraint_error)};
       energy_error = {simulation.time(),
                       std::max(energy_error.y, std::abs(now.balance() - initial_balance))};
-      if (done % window != 0 && done != steps) continue;
+      if (++done % window != 0 && done != steps) return true;
       result.constraint_error.push_back(constraint_error);
       result.energy_error.push_back(energy_error);
       result.largest_constraint_error =
           std::max(result.largest_constraint_error, constraint_error.y);
       result.largest_energy_error = std::max(result.largest_energy_error, energy_error.y);
       constraint_error.y = energy_error.y = 0.0;
-    }
+      return true;
+    });
   } catch (const mechanics::Diverged&) {  // the curve ends where the run did
   }
   return result;

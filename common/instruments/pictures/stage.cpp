@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "instruments/draw/page.hpp"
+#include "instruments/measure/run.hpp"
 
 namespace pictures {
 namespace {
@@ -65,10 +66,8 @@ void Stage::advance_to(double t) {
 void Stage::advance_all(long steps, double h) {
   since_count_ += steps;
   try {
-    for (Watched& watched : simulations_) {
-      watched.simulation->advance(steps, h);
-      watched.watch->look(watched.simulation->measures());
-    }
+    for (Watched& watched : simulations_)
+      measure::run(*watched.simulation, {steps, h, steps}, *watched.watch);
   } catch (const mechanics::Diverged&) {
     const auto finite = [](const Watched& one) { return one.simulation->measures().finite(); };
     if (std::all_of(simulations_.begin(), simulations_.end(), finite)) remember();

@@ -49,12 +49,10 @@ Mechanism plate(const Method& method, double offset, double gravity = 9.81) {
 /// Runs to the end, looking at each step.
 mechanics::Verdict run(Motion& motion, long steps, double h, double* largest = nullptr) {
   Watch watch(motion);
-  for (long i = 0; i < steps; ++i) {
-    motion.advance(1, h);
-    const mechanics::Measures now = motion.measures();
+  const auto keep = [&](const mechanics::Measures& now) {
     if (largest != nullptr) *largest = std::max(*largest, now.constraint_error);
-    watch.look(now);
-  }
+  };
+  measure::run(motion, {steps, h}, keep, watch);
   return watch.verdict();
 }
 
@@ -140,13 +138,10 @@ TEST_CASE("a verdict says since when, and by how much") {
   std::vector<std::pair<double, double>> errors;
   Watch watch(motion);
   const double start = motion.measures().balance();
-  for (int i = 0; i < 400; ++i) {
-    motion.advance(1, 0.005);
-    const mechanics::Measures now = motion.measures();
-    watch.look(now);
+  measure::run(motion, {400, 0.005}, watch, [&](const mechanics::Measures& now) {
     kinetic = std::max(kinetic, now.kinetic);
     errors.emplace_back(motion.time(), std::abs(now.balance() - start));
-  }
+  });
   for (const auto& [t, error] : errors)
     if (since == 0.0 && error > 0.01 * kinetic) since = t;
   const mechanics::Verdict verdict = watch.verdict();
@@ -159,10 +154,7 @@ TEST_CASE("a verdict says since when, and by how much") {
 TEST_CASE("an error against the exact answer counts in parts of the scene's size") {
   Motion motion(pendulum({}), {});
   Watch watch(motion);
-  for (int i = 0; i < 200; ++i) {
-    motion.advance(1, 0.005);
-    watch.look(motion.measures());
-  }
+  measure::run(motion, {200, 0.005}, watch);
   // In a second it swings down, past the vertical: it covers 2 m across and 1 m down.
   const std::vector<measure::Quantity> metres{{"position", "m"}, {"velocity", "m/s"}};
   CHECK(measure::judge(watch, metres, {0.019, 1e6}).right());
