@@ -151,6 +151,22 @@ TEST_CASE("pictures have no shape of Dear ImGui's own, whose edges differ betwee
   }
 }
 
+TEST_CASE("tests mirror common name by name") {
+  for (const char* floor : {"mechanics", "instruments", "app"})
+    for (const fs::path& file : sources(fs::path("tests") / floor)) {
+      const std::string name = file.stem(), mark = "_test";
+      if (!name.ends_with(mark)) continue;  // a helper
+      INFO(file);
+      const fs::path place = fs::relative(file.parent_path(), source / "tests"),
+                     tested = place / name.substr(0, name.size() - mark.size());
+      const auto exists = [&](const fs::path& root, const char* ending) {
+        return fs::exists(fs::path(source / root / tested) += ending);
+      };
+      CHECK((exists("common", "") || exists("common", ".hpp") || exists("common", ".cpp") ||
+             exists("tests", ".hpp")));  // the joint of the documents stands beside its test
+    }
+}
+
 TEST_CASE("the top level holds what the plan names and nothing else") {
   const std::set<std::string> allowed{"README.md", "CMakeLists.txt", "CMakePresets.json",
                                       "tutorial",  "chapters",       "common",

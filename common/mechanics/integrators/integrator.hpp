@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -35,13 +34,6 @@ inline constexpr std::array<SchemeInfo, 5> schemes{{
 
 constexpr const SchemeInfo& info(Scheme scheme) {
   return schemes[static_cast<std::size_t>(scheme)];
-}
-
-/// The method of that name, or nothing.
-constexpr std::optional<Scheme> find(std::string_view text) {
-  for (const SchemeInfo& info : schemes)
-    if (info.text == text) return info.id;
-  return std::nullopt;
 }
 
 /// The method chosen at run time. It holds the method's workspace and never allocates after that.
