@@ -30,15 +30,16 @@ void Evaluation::analyse(const System& system) {
   revision_ = system.revision_;
   layout_ = system.layout_;
   things_ = {};
+  const Vector2d nowhere = Vector2d::Zero();  // yet
   std::map<int, std::vector<JBlock>> blocks_of_column;
   for (const JBlock& block : layout_.J_blocks) blocks_of_column[block.column].push_back(block);
   std::vector<int> dofs;
   for (const ThingInfo& thing : layout_.things) {
     dofs.push_back(thing.dof);
     if (thing.dof == 2)
-      things_.particles.push_back({{}, thing.column});
+      things_.particles.push_back({{nowhere, nowhere}, thing.column});
     else
-      things_.bodies.push_back({{{}, {}, 0, 0, rotation(0)}, thing.column});
+      things_.bodies.push_back({{nowhere, nowhere, 0, 0, rotation(0)}, thing.column});
   }
   dof_ = in_common(dofs);
 
