@@ -1,7 +1,6 @@
 #include "mechanics/dynamics/block_ldlt.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <set>
 
 namespace dynamics {
@@ -78,35 +77,43 @@ int BlockLdlt::block(int i, int j) const {
 
 namespace {
 
+/// The least pivot of a node, as far as it matters.
+enum class Pivot { none, small, sound };
+
 /// Turns A, of which the lower triangle is given, into L of A = L D L^T. A row whose pivot is not
-/// above `smallest` depends on those before it: its 1 / D is 0, and so is its column of L.
-/// Inlined by force: all else waits for these numbers, and a call would pass them through memory.
+/// above `smallest` of K_kk is set aside: its 1 / D is 0, and so is its column of L. Inlined by
+/// force: all else waits for these numbers, and a call would pass them through memory.
 template <int r>
-[[gnu::always_inline]] inline void factor_node(double (&A)[r][r], const double (&smallest)[r],
-                                               double (&inverse_D)[r]) {
+[[gnu::always_inline]] inline Pivot factor_node(double (&A)[r][r], const double (&K)[r],
+                                                double smallest, double (&inverse_D)[r]) {
+  constexpr double small = BlockLdlt::small_pivot;
   if constexpr (r == 2) {  // most joints, and most of the time: two divisions at once
     const double a = A[0][0], b = A[1][0], det = a * A[1][1] - b * b;
-    if (a > smallest[0] && det > smallest[1] * a) {
+    if (a > small * K[0] && det > small * K[1] * a) {
       inverse_D[0] = 1 / a;
       inverse_D[1] = a / det;
       A[1][0] = b * inverse_D[0];
-      return;
+      return Pivot::sound;
     }
   }
+  Pivot least = Pivot::sound;
   for (int k = 0; k < r; ++k) {
-    inverse_D[k] = A[k][k] > smallest[k] ? 1 / A[k][k] : 0;
+    const bool holds = A[k][k] > smallest * K[k];
+    if (!(A[k][k] > small * K[k])) least = holds ? std::min(least, Pivot::small) : Pivot::none;
+    inverse_D[k] = holds ? 1 / A[k][k] : 0;
     for (int i = k + 1; i < r; ++i) {
       const double L_ik = A[i][k] * inverse_D[k];
       for (int j = k + 1; j <= i; ++j) A[i][j] -= L_ik * A[j][k];
     }
     for (int i = k + 1; i < r; ++i) A[i][k] *= inverse_D[k];
   }
+  return least;
 }
 
 }  // namespace
 
-void BlockLdlt::factor(double damping) {
-  alike(size_, [&](auto all) { factor_blocks<all>(damping); });
+void BlockLdlt::factor(double damping, double smallest) {
+  alike(size_, [&](auto all) { factor_blocks<all>(damping, smallest); });
 }
 
 void BlockLdlt::solve(Eigen::VectorXd& b) const {
@@ -114,27 +121,24 @@ void BlockLdlt::solve(Eigen::VectorXd& b) const {
 }
 
 template <int all>
-void BlockLdlt::factor_blocks(double damping) {
+void BlockLdlt::factor_blocks(double damping, double smallest) {
   L_ = K_;
   double* const K = L_.data();  // a copy of K, which turns into L block by block
-  // The rounding that gathers in a pivot grows with the number of rows.
-  const double rounding =
-      8 * std::numeric_limits<double>::epsilon() * static_cast<double>(diagonal_.size());
   const Below* const below = below_.data();
   const int* update = updates_.data();
+  Pivot least = Pivot::sound;
   for (const Node& node : nodes_)
     fixed<all>(node.size, [&](auto size) {
       constexpr int r = size;
-      double L[r][r], inverse_D[r], smallest[r];
+      double L[r][r], inverse_D[r], diagonal[r];
       for (int i = 0; i < r; ++i)
         for (int k = 0; k <= i; ++k) L[i][k] = K[node.block + i + k * r];
       for (int k = 0; k < r; ++k) {
         const double K_kk = K_[node.block + k * (r + 1)];
-        diagonal_[node.row + k] = K_kk;
-        smallest[k] = rounding * K_kk;
+        diagonal_[node.row + k] = diagonal[k] = K_kk;
         L[k][k] += damping * K_kk;
       }
-      factor_node<r>(L, smallest, inverse_D);
+      least = std::min(least, factor_node<r>(L, diagonal, smallest, inverse_D));
       for (int k = 0; k < r; ++k) {
         inverse_pivot_[node.row + k] = inverse_D[k];
         for (int i = k + 1; i < r; ++i) K[node.block + i + k * r] = L[i][k];
@@ -157,6 +161,8 @@ void BlockLdlt::factor_blocks(double damping) {
           Block<s, s>(K + *update++) -= X.lazyProduct(L_ji.transpose());
         });
     });
+  sound_ = least == Pivot::sound;
+  complete_ = least != Pivot::none;
 }
 
 template <int all>

@@ -68,27 +68,34 @@ class BlockLdlt {
   /// The blocks of K, to be filled in before factor(). The factor is kept apart.
   Eigen::VectorXd& K() { return K_; }
 
-  /// Factors K, its diagonal raised to (1 + damping) times itself.
-  ///
-  /// A row whose pivot has fallen to rounding, relative to the row's own diagonal entry, depends on
-  /// the rows eliminated before it. It is left out and its unknown is 0: of redundant rows, the
-  /// one that is eliminated last gets none of the load. NaN counts as dependent.
-  void factor(double damping = 0);
+  /// Pivots count as parts of their rows' own diagonal entries. K squares: at the smallest a row
+  /// has lost all but a thousandth to those before it, and six of a double's digits. A small one is
+  /// worth a look.
+  static constexpr double smallest_pivot = 1e-6, small_pivot = 1e-2;
 
-  /// Overwrites b with the solution of K x = b. Rows found dependent are not looked at.
+  /// Factors K, its diagonal raised to (1 + damping) times itself. A row whose pivot is not above
+  /// the smallest that is allowed, say NaN, depends on those eliminated before it, nearly or
+  /// wholly. It is set aside.
+  void factor(double damping = 0, double smallest = smallest_pivot);
+
+  /// Overwrites b with the solution of K x = b without the rows set aside, where x is 0.
   void solve(Eigen::VectorXd& b) const;
+
+  /// Whether all pivots are more than small; whether no row is set aside; whether this one is.
+  bool sound() const { return sound_; }
+  bool complete() const { return complete_; }
+  bool set_aside(Eigen::Index row) const { return inverse_pivot_[row] == 0; }
 
   /// The diagonal of K as it was at the last factor().
   const Eigen::VectorXd& diagonal() const { return diagonal_; }
-  /// What the rows before it left of row i's diagonal entry, its pivot, relative to all of it: from
-  /// 1 to 0, when it depends on them.
+  /// What the rows before it left of a row's diagonal entry, its pivot, relative to all of it: from
+  /// 1 to the smallest, and 0 when it is set aside.
   double independence(Eigen::Index row) const {
     return inverse_pivot_[row] == 0 ? 0 : 1 / (inverse_pivot_[row] * diagonal_[row]);
   }
 
   /// The size of all nodes; 0 where they differ.
   int size() const { return size_; }
-  int rank() const { return static_cast<int>((inverse_pivot_.array() != 0).count()); }
   int blocks() const { return static_cast<int>(nodes_.size() + below_.size()); }
   std::size_t bytes() const;
 
@@ -101,12 +108,13 @@ class BlockLdlt {
     int node, size, row, block;
   };
   template <int all>
-  void factor_blocks(double damping);
+  void factor_blocks(double damping, double smallest);
   template <int all>
   void solve_blocks(double* x) const;
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
   int size_ = 0;
+  bool sound_ = true, complete_ = true;
   std::vector<int> position_;  // of each node in the order of elimination
   std::vector<Node> nodes_;    // in that order
   std::vector<Below> below_;

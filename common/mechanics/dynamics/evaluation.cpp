@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -52,6 +53,12 @@ void Evaluation::analyse(const System& system) {
         if (a.joint < b.joint) edges.emplace_back(a.joint, b.joint);
   K_.analyse(sizes, edges);
 
+  largest_W_theta_ = 0;
+  for (const ThingInfo& thing : layout_.things)
+    largest_W_theta_ =
+        std::max(largest_W_theta_, thing.dof == 3 ? layout_.W[thing.column + 2]
+                                                  : std::numeric_limits<double>::infinity());
+
   pairs_.clear();
   for (const auto& [column, blocks] : blocks_of_column)
     for (const JBlock& a : blocks)
@@ -63,7 +70,7 @@ void Evaluation::analyse(const System& system) {
 
   F0_ = system.weights();
   for (VectorXd* x : {&a_, &F_, &q_}) x->setZero(F0_.size());
-  for (VectorXd* x : {&C_, &size_, &per_size_, &per_root_K_, &b_, &Jv_, &lambda_, &mu_})
+  for (VectorXd* x : {&C_, &size_, &per_size_, &per_root_K_, &b_, &Jv_, &lambda_, &mu_, &x_})
     x->setZero(layout_.rows);
   J_.setZero(layout_.size_of_J);
   factored_ = solved_ = false;
@@ -121,6 +128,9 @@ void Evaluation::factor(double damping) {
   });
   K_.factor(damping);
   factored_ = true;
+  weak_.clear();
+  kept_ = 0;
+  if (damping == 0) find_weak_rows();  // else no pivot is small
 }
 
 // ---- What is asked of it ----
@@ -169,7 +179,9 @@ double Evaluation::velocity_error(const VectorXd& v) const {
 double Evaluation::distance() const {
   VectorXd mu = C();
   K_.solve(mu);
-  return std::sqrt(std::max(C_.dot(mu), 0.0)) + nan_of(a_);  // max keeps a NaN that comes first
+  double square = C_.dot(mu);
+  for (std::size_t i = 0; i < kept_; ++i) square += std::pow(weak_[i].y.dot(C_), 2);
+  return std::sqrt(std::max(square, 0.0)) + nan_of(a_);  // max keeps a NaN that comes first
 }
 
 // A row that holds points moves them by C over the size of its gradient there, wherever they are on
@@ -215,19 +227,20 @@ Counts Evaluation::counts() const {
   const auto bytes = [](const auto&... x) {
     return (... + (sizeof(x[0]) * static_cast<std::size_t>(x.size())));
   };
-  const int coordinates = static_cast<int>(a_.size()), rank = K_.rank();
-  return {.things = static_cast<int>(layout_.things.size()),
-          .coordinates = coordinates,
-          .rows = layout_.rows,
-          .rank = rank,
-          .degrees_of_freedom = coordinates - rank,
-          .jacobian_blocks = static_cast<int>(layout_.J_blocks.size()),
-          .factor_blocks = K_.blocks(),
-          .state_bytes = bytes(a_, a_),
-          .workspace_bytes = bytes(things_.particles, things_.bodies, layout_.joints,
-                                   layout_.J_blocks, pairs_, layout_.M, layout_.W, F0_, F_, a_, q_,
-                                   C_, size_, per_size_, per_root_K_, b_, Jv_, lambda_, mu_, J_) +
-                             K_.bytes()};
+  const int coordinates = static_cast<int>(a_.size()), rank = layout_.rows - left_out();
+  return {
+      .things = static_cast<int>(layout_.things.size()),
+      .coordinates = coordinates,
+      .rows = layout_.rows,
+      .rank = rank,
+      .degrees_of_freedom = coordinates - rank,
+      .jacobian_blocks = static_cast<int>(layout_.J_blocks.size()),
+      .factor_blocks = K_.blocks(),
+      .state_bytes = bytes(a_, a_),
+      .workspace_bytes = bytes(things_.particles, things_.bodies, layout_.joints, layout_.J_blocks,
+                               pairs_, layout_.M, layout_.W, F0_, F_, a_, q_, C_, size_, per_size_,
+                               per_root_K_, b_, Jv_, lambda_, mu_, x_, J_) +
+                         K_.bytes()};
 }
 
 std::vector<JointRow> Evaluation::dependent_rows() const {
@@ -235,7 +248,7 @@ std::vector<JointRow> Evaluation::dependent_rows() const {
   std::vector<JointRow> rows;
   for (const JointInfo& joint : layout_.joints)
     for (int k = 0; k < joint.r; ++k)
-      if (K_.independence(joint.row + k) == 0) rows.push_back({joint.name, k + 1});
+      if (independence(joint.row + k) == 0) rows.push_back({joint.name, k + 1});
   return rows;
 }
 
@@ -244,7 +257,7 @@ RowState Evaluation::row_state(Eigen::Index row) const {
   const auto joint = std::find_if(layout_.joints.rbegin(), layout_.joints.rend(),
                                   [&](auto& j) { return j.row <= row; });
   const int k = static_cast<int>(row) - joint->row;
-  return {{joint->name, k + 1}, joint->unit[k], C_[row], K_.independence(row)};
+  return {{joint->name, k + 1}, joint->unit[k], C_[row], independence(row)};
 }
 
 RowState Evaluation::worst_row() const {
@@ -262,7 +275,7 @@ RowState Evaluation::weakest_row() const {
   checked();
   Eigen::Index weakest = 0;
   for (Eigen::Index row = 1; row < C_.size(); ++row)
-    if (K_.independence(row) < K_.independence(weakest)) weakest = row;
+    if (independence(row) < independence(weakest)) weakest = row;
   return row_state(weakest);
 }
 

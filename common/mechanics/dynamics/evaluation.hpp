@@ -30,7 +30,8 @@ struct RowState {
   JointRow row;
   const char* unit;  ///< of C
   double C;
-  double pivot;  ///< what the rows before it leave of it in the factor: from 1, independent, to 0
+  double pivot;  ///< what the rows before it leave of its diagonal entry of K: from 1 to 0, where
+                 ///< it depends on them
 };
 
 /// What the scene holds. rank and degrees_of_freedom are those of one evaluation.
@@ -98,6 +99,10 @@ class Evaluation {
   /// The whole J. To look at; it allocates.
   Eigen::MatrixXd jacobian() const;
 
+  /// Whether rows are so nearly dependent that this was answered on the constraints. An integrator
+  /// should then ask there in all stages of its step.
+  bool nearly_dependent() const { return checked().nearly_dependent_; }
+
   Counts counts() const;
   /// The rows that depend on others, and so have no load.
   std::vector<JointRow> dependent_rows() const;
@@ -111,6 +116,20 @@ class Evaluation {
   // Blocks of J of two joints a, b in the same columns: J_a W J_b^T adds to a block of K.
   struct Pair {
     int r_a, r_b, dof, column, J_a, J_b, K;
+  };
+
+  // A row that the factor set aside, and what is left of it beside all others: the combination y of
+  // rows that moves nothing which those hold, and its gradient g = J^T y.
+  struct WeakRow {
+    int row;
+    VectorXd y, g;
+    double independence, pivot;
+  };
+  // Of each row, the size of its gradient in the places and in the angles; the size of the scene
+  // (m).
+  struct Geometry {
+    VectorXd J_x, J_theta;
+    double size;
   };
 
   const Evaluation& checked() const;
@@ -129,25 +148,43 @@ class Evaluation {
             b_.data() + joint.row, K_.K().data() + joint.K,  J_.data() + joint.J};
   }
 
+  void find_weak_rows();
+  bool closed() const;
+  int nearly_dependent_rows() const;
+  int left_out() const { return static_cast<int>(weak_.size() - kept_); }
+  void clear_of_strong(WeakRow& weak);
+  void clear_of(const WeakRow& kept, WeakRow& weak) const;
+  double left_of(const WeakRow& weak) const;
+  double independence(Eigen::Index row) const;
+  void solve(VectorXd& b, VectorXd& F);
+
   void correct(const VectorXd& error, VectorXd& x);
   double residual(const VectorXd& x) const;
   void find_metric();
   void measure_rounding(double start);
   double relative_error() const;
+  double tolerance() const;
+  Geometry geometry() const;
+  double relative_opening(const Geometry& geometry, Eigen::Index row) const;
   [[noreturn]] void refuse(Eigen::Index open_row) const;
-  void check_closed(const VectorXd& q) const;
+  void check_closed() const;
 
   int system_ = 0, revision_ = 0;  // for which its storage was laid out
   Layout layout_;
   Things things_;
   std::vector<Pair> pairs_;
   BlockLdlt K_;
-  bool factored_ = false;  // K_ is that of some state
-  bool solved_ = false;    // all is that of one state
-  int dof_ = 0;            // of all things; 0 where they differ
+  std::vector<WeakRow> weak_;  // those that are kept, then those that are left out
+  std::size_t kept_ = 0;
+  Geometry geometry_;                              // of the last state with weak rows
+  double largest_W_theta_ = 0;                     // infinite where there are particles
+  bool nearly_dependent_ = false, limit_ = false;  // where a and lambda are the limits along v
+  bool factored_ = false;                          // K_ is that of some state
+  bool solved_ = false;                            // all is that of one state
+  int dof_ = 0;                                    // of all things; 0 where they differ
 
-  VectorXd a_, F0_, F_, q_;                                           // one entry a coordinate
-  VectorXd C_, size_, per_size_, per_root_K_, b_, Jv_, lambda_, mu_;  // one entry a row
+  VectorXd a_, F0_, F_, q_;                                               // one entry a coordinate
+  VectorXd C_, size_, per_size_, per_root_K_, b_, Jv_, lambda_, mu_, x_;  // one entry a row
   VectorXd J_;  // the blocks of J, one behind the other
 };
 

@@ -52,12 +52,15 @@ double Evaluation::relative_error() const {
   return C_.size() == 0 ? 0 : C_.cwiseProduct(per_size_).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
 }
 
+// What may be left of errors that are rounding. A combination of rows of which s is left is known
+// to rounding over s, and its rate over s^2.
+double Evaluation::tolerance() const { return nearly_dependent_rows() > 0 ? 1e-10 : 16 * epsilon; }
+
 // x -= W J^T K^-1 error
 void Evaluation::correct(const VectorXd& error, VectorXd& x) {
-  mu_ = error;
-  K_.solve(mu_);
+  x_ = error;
   F_.setZero();
-  add_Jt(mu_, F_);
+  solve(x_, F_);
   x -= layout_.W.cwiseProduct(F_);
 }
 
@@ -81,7 +84,7 @@ bool System::project_velocities(VectorXd& v, Evaluation& e) const {
     const double error = e.residual(e.Jv_);
     if (error <= rounding) return true;
     if (pass == 3)  // of a scene that is brought to rest, the rounding of what it had
-      return error <= 16 * std::max(rounding, epsilon * std::sqrt(2 * before));
+      return error <= e.tolerance() * std::sqrt(2 * std::max(kinetic_energy(v), before));
     if (pass == 1) factor_here(e);
   }
 }
@@ -120,7 +123,7 @@ Projection System::project(double, VectorXd& q, VectorXd& v, Evaluation& e) cons
   // neighbours.
   const bool converged = project_velocities(v, e);
   return {converged &&
-              (error <= 16 * epsilon || e.residual(e.C_) <= 16 * epsilon * e.residual(e.size_)) &&
+              (error <= e.tolerance() || e.residual(e.C_) <= e.tolerance() * e.residual(e.size_)) &&
               q.allFinite() && v.allFinite(),
           steps};
 }
@@ -171,7 +174,7 @@ Assembly System::assemble(double, VectorXd& q, VectorXd& v) const {
     e.C_.cwiseProduct(e.per_size_).cwiseAbs().maxCoeff(&worst);
     e.refuse(worst);
   }
-  e.check_closed(best);
+  e.check_closed();
   report.moved = largest(best - q);
   q = best;
   factor_here(e);  // at q; what follows leaves the factor alone
@@ -181,36 +184,19 @@ Assembly System::assemble(double, VectorXd& q, VectorXd& v) const {
   return report;
 }
 
-// Throws unless the joints of state q are closed by the scene's own measure too. Rounding, the
-// measure until here, grows with the distance from the origin and with the turns of a body.
-void Evaluation::check_closed(const VectorXd& q) const {
+// Throws unless the joints are closed by the scene's own measure too. Rounding, the measure until
+// here, grows with the distance from the origin and with the turns of a body.
+void Evaluation::check_closed() const {
   constexpr double angle_step = 1e-8, widest = 1e-6;
-  // The size of the scene (m): what it spans, a radius of gyration, a lever. A J in m is one too.
-  double size = 0;
-  for (const ThingInfo& a : layout_.things) {
-    const ThingInfo& b = layout_.things.front();
-    size = std::max(size, largest(q.segment<2>(a.column) - q.segment<2>(b.column)));
-    if (a.dof == 2) continue;
-    size = std::max(size, std::sqrt(layout_.M[a.column + 2] / layout_.M[a.column]));
-    if (epsilon * std::abs(q[a.column + 2]) > angle_step)
-      throw AssemblyError("cannot assemble: " + a.name + " is turned by " +
-                          number(q[a.column + 2]) + " rad, too far for its angle to be exact");
+  for (const ThingInfo& thing : layout_.things) {
+    const double theta = thing.dof == 3 ? things_.bodies[std::size_t(thing.index)].thing.theta : 0;
+    if (epsilon * std::abs(theta) > angle_step)
+      throw AssemblyError("cannot assemble: " + thing.name + " is turned by " + number(theta) +
+                          " rad, too far for its angle to be exact");
   }
-  VectorXd J_x = VectorXd::Zero(C_.size()), J_theta = J_x;
-  for (const Layout::JBlock& block : layout_.J_blocks)
-    for (int k = 0; k < block.r; ++k) {
-      const double* J = J_.data() + block.J + k;
-      double &x = J_x[block.row + k], &theta = J_theta[block.row + k];
-      x = std::max({x, std::abs(J[0]), std::abs(J[block.r])});
-      if (block.dof == 3) theta = std::max(theta, std::abs(J[2 * block.r]));
-    }
-  for (const JointInfo& joint : layout_.joints)
-    for (int k = 0; k < joint.r; ++k) {
-      const double x = J_x[joint.row + k], lever = J_theta[joint.row + k] / x;
-      if (x > 0) size = std::max({size, lever, std::string_view(joint.unit[k]) == "m^2" ? x : 0});
-    }
-  for (Eigen::Index k = 0; size > 0 && k < C_.size(); ++k)
-    if (std::abs(C_[k]) > widest * std::max(size * J_x[k], J_theta[k])) refuse(k);
+  const Geometry scene = geometry();
+  for (Eigen::Index k = 0; scene.size > 0 && k < C_.size(); ++k)
+    if (relative_opening(scene, k) > widest) refuse(k);
 }
 
 // Throws the AssemblyError of a row that stays open. Around a loop of rows that compare angles the

@@ -191,18 +191,26 @@ void System::find_constraint(const VectorXd& q, const VectorXd& v, Evaluation& e
     joints_[i]->constraint(e.things_, v, e.place(e.layout_.joints[i]));
 }
 
-void System::evaluate(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
+// All of equation 1 but the solution: F, a_ = W F, J, b and C, and the factor of K.
+void System::set_up(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
   enter(q, v, e);
   find_forces(t, e);
   e.a_ = layout_.W.cwiseProduct(e.F_);
   find_equation(e);
+  e.factor();
+}
+
+void System::evaluate(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
+  set_up(t, q, v, e);
+  if (e.nearly_dependent_rows() > 0) return evaluate_on_constraints(t, q, v, e);
+  solve(q, v, e);
+}
+
+void System::solve(const VectorXd& q, const VectorXd& v, Evaluation& e) const {
   e.lambda_ = e.b_;
   if (ks_ != 0) e.lambda_ -= ks_ * e.C_;
   if (kd_ != 0) e.add_J(-kd_, v, e.lambda_);
-  e.factor();
-  e.K_.solve(e.lambda_);
-
-  e.add_Jt(e.lambda_, e.F_);
+  e.solve(e.lambda_, e.F_);
   e.a_ = layout_.W.cwiseProduct(e.F_) + 0 * q + 0 * v;  // NaN where q or v is not finite
   e.solved_ = true;
 }

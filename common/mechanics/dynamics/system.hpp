@@ -157,8 +157,13 @@ class System {
   const VectorXd& initial_q() const { return q0_; }
   const VectorXd& initial_v() const { return v0_; }
 
-  /// Equation 1 at time t in state q, v.
+  /// Equation 1 at time t in state q, v. Where rows are nearly dependent it calls the next one.
   void evaluate(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const;
+
+  /// The same with J, Jdot_v and F of the nearest state on the constraints, where alone rows that
+  /// depend on each other agree; C and J v remain those of q, v. At a singular pose that the motion
+  /// passes: the limit along the motion.
+  void evaluate_on_constraints(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const;
 
   /// Brings q, then v, back onto the constraints at time t by the least change in the mass metric:
   /// dq = -W J^T (J W J^T)^-1 C until C is rounding, then dv = -W J^T (J W J^T)^-1 J v. For states
@@ -241,6 +246,9 @@ class System {
   void find_forces(double t, Evaluation& e) const;
   void find_equation(Evaluation& e) const;
   void find_constraint(const VectorXd& q, const VectorXd& v, Evaluation& e) const;
+  void set_up(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const;
+  void solve(const VectorXd& q, const VectorXd& v, Evaluation& e) const;
+  bool find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const;
   void factor_here(Evaluation& e, double damping = 0) const;
   bool project_velocities(VectorXd& v, Evaluation& e) const;
 

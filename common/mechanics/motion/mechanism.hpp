@@ -77,9 +77,18 @@ class Mechanism {
   }
 
   void acceleration(double t, const Vector& q, const Vector& v, Vector& a) {
-    system.evaluate(t, q, v, e_);
+    if (on_constraints_)
+      system.evaluate_on_constraints(t, q, v, e_);
+    else
+      system.evaluate(t, q, v, e_);
     a = e_.a();
   }
+  /// Whether the rows of the last evaluation were nearly dependent; whether accelerations are those
+  /// of the nearest state on the constraints.
+  bool nearly_dependent() const { return e_.nearly_dependent(); }
+  bool on_constraints() const { return on_constraints_; }
+  void stay_on_constraints(bool stay) { on_constraints_ = stay; }
+
   void project(Vector& q, Vector& v) {
     if (!system.project(0.0, q, v, e_).converged) ++left_open_;
   }
@@ -180,6 +189,7 @@ class Mechanism {
   SingularPoses poses_;
   double ks_, kd_;
   long left_open_ = 0;
+  bool on_constraints_ = false;
   dynamics::Evaluation e_{system};
   Vector q_, v_;
 };

@@ -304,13 +304,40 @@ class Motion final : public Simulation {
   double take_step(Acceleration& acceleration, double h) {
     ++steps_;
     try {
-      const double taken = integrator_.step(acceleration, t_, q_, v_, h);
+      double taken;
+      if constexpr (requires { model_.on_constraints(); })
+        taken = step_of_one_kind(acceleration, h);
+      else
+        taken = integrator_.step(acceleration, t_, q_, v_, h);
       if (taken < h) shortest_step_ = std::min(shortest_step_, taken);
       return taken;
     } catch (const integrators::NoStep& reason) {
       throw Diverged(at(t_) + reason.what(),
                      method_.tolerance > 0.0 ? Trouble::tolerance : Trouble::wrong);
     }
+  }
+
+  /// The order of a step comes from stages that ask for one and the same function. Where one of
+  /// them has to be asked on the constraints, the step is begun again with all of them there.
+  template <class Acceleration>
+  double step_of_one_kind(Acceleration& acceleration, double h) {
+    struct Again {};
+    bool needed = false;
+    const auto checked = [&](double t, const Vector& q, const Vector& v, Vector& a) {
+      acceleration(t, q, v, a);
+      if (!model_.nearly_dependent()) return;
+      needed = true;
+      if (!model_.on_constraints()) throw Again();
+    };
+    double taken;
+    try {
+      taken = integrator_.step(checked, t_, q_, v_, h);
+    } catch (const Again&) {
+      model_.stay_on_constraints(true);
+      taken = integrator_.step(checked, t_, q_, v_, h);
+    }
+    model_.stay_on_constraints(needed);
+    return taken;
   }
 
   /// The name of the first such entry of the state.

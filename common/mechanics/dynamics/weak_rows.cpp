@@ -1,0 +1,247 @@
+// Rows that nearly depend on others: those whose pivot in the factor of K = J W J^T is so small
+// that K, which squares what J says, cannot tell what is left of them.
+//
+// What is left of such a row is the combination y of rows whose gradient g = J^T y stands
+// perpendicular, in the metric W, to those of all other rows. It is found from J itself (Gram and
+// Schmidt, done twice), and keeps the digits that a pivot has lost. A set of such g, of length 1,
+// adds to the solution of K x = b without the weak rows
+//
+//   x = K^-1 b + sum of y (y . b).
+//
+// One whose g is no longer than what the open joints make of it says nothing that the others do not
+// say. It is left out, and its unknown is 0: of redundant rows, some get none of the load.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "mechanics/dynamics/system.hpp"
+
+namespace dynamics {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+}  // namespace
+
+Evaluation::Geometry Evaluation::geometry() const {
+  Geometry scene{VectorXd::Zero(layout_.rows), VectorXd::Zero(layout_.rows), 0};
+  const auto place = [&](const ThingInfo& thing) {
+    const auto index = static_cast<std::size_t>(thing.index);
+    return thing.dof == 2 ? things_.particles[index].thing.x : things_.bodies[index].thing.x;
+  };
+  // What the scene spans, a radius of gyration, a lever. A J in m is one too.
+  for (const ThingInfo& thing : layout_.things) {
+    const Vector2d from_first = place(thing) - place(layout_.things.front());
+    scene.size = std::max(scene.size, from_first.cwiseAbs().maxCoeff<Eigen::PropagateNaN>());
+    if (thing.dof == 3)
+      scene.size = std::max(scene.size, layout_.radius(thing.column) / std::sqrt(3.0));
+  }
+  for (const Layout::JBlock& block : layout_.J_blocks)
+    for (int k = 0; k < block.r; ++k) {
+      const double* J = J_.data() + block.J + k;
+      double &x = scene.J_x[block.row + k], &theta = scene.J_theta[block.row + k];
+      x = std::max({x, std::abs(J[0]), std::abs(J[block.r])});
+      if (block.dof == 3) theta = std::max(theta, std::abs(J[2 * block.r]));
+    }
+  for (const JointInfo& joint : layout_.joints)
+    for (int k = 0; k < joint.r; ++k) {
+      const double x = scene.J_x[joint.row + k], lever = scene.J_theta[joint.row + k] / x;
+      if (x > 0)
+        scene.size =
+            std::max({scene.size, lever, std::string_view(joint.unit[k]) == "m^2" ? x : 0});
+    }
+  return scene;
+}
+
+// |C| of a row as a part of the scene's size, and of an angle in rad.
+double Evaluation::relative_opening(const Geometry& scene, Eigen::Index row) const {
+  return std::abs(C_[row]) / std::max(scene.size * scene.J_x[row], scene.J_theta[row]);
+}
+
+// Takes from y and g what the strong rows hold.
+void Evaluation::clear_of_strong(WeakRow& weak) {
+  mu_.setZero();
+  add_J(-1, layout_.W.cwiseProduct(weak.g), mu_);
+  K_.solve(mu_);
+  weak.y += mu_;
+  add_Jt(mu_, weak.g);
+}
+
+// Takes from y and g what a weak row holds that is kept.
+void Evaluation::clear_of(const WeakRow& kept, WeakRow& weak) const {
+  const double part = kept.g.dot(layout_.W.cwiseProduct(weak.g));
+  weak.y -= part * kept.y;
+  weak.g -= part * kept.g;
+}
+
+// How much of the gradients that y adds up is left in g: from 1 to 0. Lengths count in metres here,
+// whatever the masses, since rows depend on one another by geometry; an angle counts by the scene's
+// size.
+double Evaluation::left_of(const WeakRow& weak) const {
+  VectorXd terms = VectorXd::Zero(a_.size());
+  for (const Layout::JBlock& block : layout_.J_blocks)
+    for (int k = 0; k < block.r; ++k)
+      for (int i = 0; i < block.dof; ++i)
+        terms[block.column + i] += std::abs(J_[block.J + k + i * block.r] * weak.y[block.row + k]);
+  double left = 0, all = 0;
+  for (const ThingInfo& thing : layout_.things)
+    for (int i = 0; i < thing.dof; ++i) {
+      const double unit = i < 2 ? geometry_.size : 1;
+      left = std::max(left, unit * std::abs(weak.g[thing.column + i]));
+      all = std::max(all, unit * terms[thing.column + i]);
+    }
+  return left > 0 ? left / all : 0;
+}
+
+// Sets the rows aside that the factor cannot be trusted with, and sorts them into those that are
+// kept and those that are left out.
+//
+// Joints that are open by a part d of the scene turn the gradients by about d. In a combination of
+// which s is left they make an error d / s, and a Newton step as long. It can be trusted while that
+// is small beside s itself, by which the gradients change on the way. Closed joints are open by
+// rounding.
+void Evaluation::find_weak_rows() {
+  weak_.clear();
+  kept_ = 0;
+  nearly_dependent_ = limit_ = false;
+  if (K_.sound() || (K_.complete() && closed())) return;
+  geometry_ = geometry();
+  double d = 1e-11;
+  for (Eigen::Index row = 0; row < C_.size(); ++row)
+    d = std::max(d, relative_opening(geometry_, row));
+  // Which of redundant rows are left out must not be left to their order: a row of small pivot is
+  // no better than the one that comes after it.
+  K_.factor(0, K_.complete()
+                   ? std::clamp(100 * d * d, BlockLdlt::smallest_pivot, BlockLdlt::small_pivot)
+                   : BlockLdlt::small_pivot);
+
+  for (int row = 0; row < layout_.rows; ++row)
+    if (K_.set_aside(row)) {
+      weak_.push_back({row, VectorXd::Unit(layout_.rows, row), VectorXd::Zero(a_.size()), 0, 0});
+      add_Jt(weak_.back().y, weak_.back().g);
+      for (int twice = 0; twice < 2; ++twice) clear_of_strong(weak_.back());
+    }
+  for (; kept_ < weak_.size(); ++kept_) {
+    const auto next = weak_.begin() + static_cast<std::ptrdiff_t>(kept_);
+    for (auto weak = next; weak != weak_.end(); ++weak) weak->independence = left_of(*weak);
+    std::iter_swap(next, std::max_element(next, weak_.end(), [](auto& a, auto& b) {
+                     return a.independence < b.independence;
+                   }));
+    if (!(next->independence * next->independence > 10 * d)) break;
+    clear_of_strong(*next);
+    for (auto kept = weak_.begin(); kept != next; ++kept) clear_of(*kept, *next);
+    const double square = next->g.dot(layout_.W.cwiseProduct(next->g));
+    next->pivot = square / K_.diagonal()[next->row];
+    next->y /= std::sqrt(square);
+    next->g /= std::sqrt(square);
+    for (auto weak = next + 1; weak != weak_.end(); ++weak) clear_of(*next, *weak);
+  }
+}
+
+// Those that are left out, or of which geometry leaves less than a thousandth. Where it leaves
+// more, the pivot is small because masses differ, and there is nothing to be careful about.
+int Evaluation::nearly_dependent_rows() const {
+  const auto left_out = weak_.begin() + static_cast<std::ptrdiff_t>(kept_);
+  return static_cast<int>(weak_.end() - left_out +
+                          std::count_if(weak_.begin(), left_out, [](const WeakRow& weak) {
+                            return weak.independence < 1e-3;
+                          }));
+}
+
+// Whether the joints are closed so well that no row is set aside for their being open. It needs no
+// geometry: K_kk is at most 6 W_theta times the square of what C_k is compared with there.
+bool Evaluation::closed() const {
+  constexpr double d = 1e-4;  // of which 100 times the square is smallest_pivot
+  double square = 0;
+  for (Eigen::Index row = 0; row < C_.size(); ++row)
+    square = std::max(square, C_[row] * C_[row] / K_.diagonal()[row]);
+  return 6 * square * largest_W_theta_ < d * d;
+}
+
+double Evaluation::independence(Eigen::Index row) const {
+  for (const WeakRow& weak : weak_)
+    if (weak.row == row) return weak.pivot;
+  return K_.independence(row);
+}
+
+// Overwrites b with the solution x of K x = b, and adds J^T x to F: from the g, which have digits
+// that a sum of J^T y has not when heavy things hang on light ones. The x of rows left out is 0.
+void Evaluation::solve(VectorXd& b, VectorXd& F) {
+  mu_ = b;
+  K_.solve(b);
+  add_Jt(b, F);
+  for (std::size_t i = 0; i < kept_; ++i) {
+    const double part = weak_[i].y.dot(mu_);
+    b += part * weak_[i].y;
+    F += part * weak_[i].g;
+  }
+}
+
+void System::evaluate_on_constraints(double t, const VectorXd& q, const VectorXd& v,
+                                     Evaluation& e) const {
+  // What feedback asks for, in the state that was given.
+  find_constraint(q, v, e);
+  const VectorXd C = e.C_, feedback = -ks_ * e.C_ - kd_ * e.Jv_;
+
+  VectorXd q_on = q, v_on = v;
+  project(t, q_on, v_on, e);
+  set_up(t, q_on, v_on, e);
+  const int dependent = e.nearly_dependent_rows();
+  const bool limit = dependent > 0 && find_limit(t, q_on, v_on, e);
+  if (!limit) {
+    e.lambda_ = e.b_;
+    e.solve(e.lambda_, e.F_);
+  }
+  if (!feedback.isZero(0)) {
+    VectorXd lambda = feedback;
+    e.solve(lambda, e.F_);
+    e.lambda_ += lambda;
+  }
+  e.C_ = C;
+  e.a_ = layout_.W.cwiseProduct(e.F_) + 0 * q + 0 * v;
+  e.nearly_dependent_ = dependent > 0;
+  e.limit_ = limit;
+  e.solved_ = true;
+}
+
+// A pose at which rows become dependent for a moment, as those of a slider-crank in a dead centre:
+// on the way through it a and lambda are smooth, but in it equation 1 does not say what they are,
+// and close to it, not to many digits. They are interpolated between states before and behind it,
+// q + s v and v brought onto the constraints, to the sixth order of s. Leaves e as set up here,
+// with F + J^T lambda and lambda. Returns false where nothing moves, and where rows are as
+// dependent on the way as here.
+bool System::find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
+  double speed = 0;  // of the scene's size, or an angle
+  for (const ThingInfo& thing : layout_.things) {
+    speed = std::max(speed, v.segment<2>(thing.column).norm() / e.geometry_.size);
+    if (thing.dof == 3) speed = std::max(speed, std::abs(v[thing.column + 2]));
+  }
+  const double step = 0.01 / speed;
+  if (!std::isfinite(step)) return false;
+
+  const int dependent = e.nearly_dependent_rows();
+  set_up(t, q + step * v, v, e);
+  bool passes = e.nearly_dependent_rows() < dependent;
+  VectorXd a = VectorXd::Zero(q.size()), lambda = VectorXd::Zero(layout_.rows);
+  for (const auto& [s, weight] :
+       {std::pair(-3, 0.05), {-2, -0.3}, {-1, 0.75}, {1, 0.75}, {2, -0.3}, {3, 0.05}}) {
+    if (!passes) break;
+    VectorXd q_s = q + s * step * v, v_s = v;
+    const bool closed = project(t, q_s, v_s, e).converged;
+    set_up(t, q_s, v_s, e);
+    e.lambda_ = e.b_;
+    e.solve(e.lambda_, e.F_);
+    passes = closed && e.nearly_dependent_rows() < dependent;
+    a += weight * layout_.W.cwiseProduct(e.F_);
+    lambda += weight * e.lambda_;
+  }
+  set_up(t, q, v, e);
+  if (passes) {
+    e.F_ = layout_.M.cwiseProduct(a);
+    e.lambda_ = lambda;
+  }
+  return passes;
+}
+
+}  // namespace dynamics
