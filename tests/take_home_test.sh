@@ -1,17 +1,27 @@
 #!/usr/bin/env bash
 # Takes the library home: builds it in the folder WORK and a project that uses it, with warnings as errors.
 #
-#   take_home_test.sh page | folder WORK CMAKE
+#   take_home_test.sh page | folder WORK CMAKE [LIBRARY]
 #
-# page: installed, by the very commands of docs/your_own_scene.md, all but those that install packages.
+# page: installed, by the very commands of docs/your_own_scene.md, all but those that install packages. What
+#   they would compile first, LIBRARY is already: made of the same sources with the same flags.
 # folder: by add_subdirectory and by FetchContent, as a shared library.
 set -euo pipefail
-way=$1 work=$2 cmake=$3
+way=$1 work=$2 cmake=$3 library=${4-}
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 # A build type that adds no flags; Debug would do, but takes longer.
-export CXXFLAGS='-Wall -Wextra -Wpedantic -Werror' CMAKE_BUILD_TYPE=None
+export CXXFLAGS="${CXXFLAGS-} -Wall -Wextra -Wpedantic -Werror" CMAKE_BUILD_TYPE=None
 die() { echo "$*" >&2; exit 1; }
-cmake() { command "$cmake" "$@"; }
+cmake() {
+  case $1 in
+    # All sources of a target in one piece: what they have in common, most of Eigen, is compiled once.
+    -S) command "$cmake" "$@" -DCMAKE_UNITY_BUILD=ON ;;
+    --build)
+      [[ $2 == build/library && $library ]] || { command "$cmake" "$@"; return; }
+      cp "$library" build/library/common/mechanics ;;
+    *) command "$cmake" "$@" ;;
+  esac
+}
 
 # right TABLE: the rocker stands where Freudenstein's equation puts it, and the energy is the torque's work.
 right() {

@@ -320,13 +320,16 @@ std::string passed_on(const std::string& command) {
   return command;
 }
 
-/// Runs a command in a folder of its own, in which build/bin are the programs, for a second or so:
+/// Whether clips are made here, of pictures that must be there then.
+const bool clips = std::system("command -v ffmpeg >/dev/null") == 0;
+
+/// Runs a command in a folder of its own, in which build/bin are the programs, for half a second:
 /// one that is still at work then is taken to run. What a program refuses is a fault; that a
 /// simulation stops, with its reason, is what some documents show, and a window needs GLFW and a
 /// display.
 bool runs(const std::string& command, const fs::path& folder) {
   files::write_file(folder / "command.sh", command + "\n");
-  const int seconds = command.find("--frames") == std::string::npos ? 1 : 5;  // for a clip of them
+  const double seconds = clips && command.find("--frames") != std::string::npos ? 5 : 0.5;
   const std::string quiet = fmt::format(
       "cd '{}' && env -u DISPLAY -u WAYLAND_DISPLAY timeout {} sh command.sh >output.txt "
       "2>errors.txt",
@@ -360,8 +363,7 @@ int check_commands(const std::vector<fs::path>& pages, const fs::path& bin) {
         listed.replace(listed.find(place), place.size(),
                        "--test-dir " + bin.parent_path().string());
         fine = runs(listed, folder);
-      } else if (command.starts_with("ffmpeg ") &&
-                 std::system("command -v ffmpeg >/dev/null") != 0) {
+      } else if (command.starts_with("ffmpeg ") && !clips) {
         fmt::print("skipped, ffmpeg is missing: {}\n", command);
       } else if (!command.starts_with("cmake ")) {  // it would build inside its own test
         fine = runs(command, folder);

@@ -6,22 +6,10 @@
 #include <map>
 #include <stdexcept>
 
+#include "mechanics/dynamics/entries.hpp"
 #include "mechanics/dynamics/system.hpp"
 
 namespace dynamics {
-namespace {
-
-double largest(const VectorXd& x) {
-  return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
-}
-
-double nan_of(const VectorXd& x) {
-  double sum = 0;
-  for (const double entry : x) sum += 0 * entry;
-  return sum;
-}
-
-}  // namespace
 
 Evaluation::Evaluation(const System& system) : system_(system.identity_.number) { analyse(system); }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "mechanics/dynamics/entries.hpp"
 #include "mechanics/dynamics/system.hpp"
 
 namespace dynamics {
@@ -19,10 +20,6 @@ std::string number(double x) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", x);
   return text;
-}
-
-double largest(const VectorXd& x) {
-  return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
 }
 
 }  // namespace

@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mechanics/dynamics/entries.hpp"
+
 namespace dynamics {
 namespace {
-
-// 0, or NaN where an entry is not finite: to be added to what must not hide that.
-double nan_of(const VectorXd& x) {
-  double sum = 0;
-  for (const double entry : x) sum += 0 * entry;
-  return sum;
-}
 
 void append(VectorXd& x, const VectorXd& tail) {
   x.conservativeResize(x.size() + tail.size());

@@ -212,6 +212,13 @@ std::string check_message(const Result& result) {
   return result.status == 2 && warnings > 0 ? "a warning beside a refusal" : "";
 }
 
+/// Nothing, where there is no such file.
+std::string read_file(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
 /// Looks at the files in the current folder, and clears it.
 std::string check_files(const fuzz::Input& input, const Result& result) {
   std::string wrong;
@@ -220,9 +227,7 @@ std::string check_files(const fuzz::Input& input, const Result& result) {
     if (result.status != 0) wrong = "leaves a file behind: ";
     if (name.ends_with(".part")) wrong = "leaves an unfinished file behind: ";
     if (wrong.empty() && input.arguments[0] == "run") {
-      std::ostringstream text;
-      text << std::ifstream(entry.path(), std::ios::binary).rdbuf();
-      wrong = check_table(text.str());
+      wrong = check_table(read_file(entry.path()));
     }
     fs::remove_all(entry.path());
   }
@@ -285,13 +290,14 @@ class Fuzzer {
     std::string line = program.name;
     for (const std::string& argument : coarse.arguments) line += ' ' + argument;
     remember(fmt::format("{}\n  fuzz --coarse --seed {} --only {}", line, request_.seed, index));
-    const Result result = call(program, coarse.arguments, request_.seconds);
+    std::vector<std::string> with_table = coarse.arguments;
+    with_table.insert(with_table.end(), {"--csv", "table.csv"});
+    const Result result = call(program, with_table, request_.seconds);
+    const std::string table = read_file("table.csv");
+    fs::remove("table.csv");
     ++ended_[static_cast<std::size_t>(result.status)];
     warned_ += result.err.find("warning: ") != std::string::npos;
     if (result.status != 0) return;
-    std::vector<std::string> with_table = coarse.arguments;
-    with_table.insert(with_table.end(), {"--csv", "-"});
-    const std::string table = call(program, with_table, request_.seconds).out;
     const std::string wrong =
         fuzz::check_coarse(coarse, {result.status, result.out, result.err, table});
     if (wrong.empty()) return;
