@@ -93,11 +93,10 @@ void System::set_gravity(const Vector2d& g) {
 }
 
 void System::add_load(int column, const VectorXd& F) {
-  const auto thing = std::find_if(layout_.things.begin(), layout_.things.end(),
-                                  [&](const ThingInfo& info) { return info.column == column; });
-  const VectorXd sum = constant_.segment(column, thing->dof) + F;
-  check_load(thing->name, layout_.M[column], gravity_, sum);
-  constant_.segment(column, thing->dof) = sum;
+  const ThingInfo& thing = thing_at(layout_.things, column);
+  const VectorXd sum = constant_.segment(column, thing.dof) + F;
+  check_load(thing.name, layout_.M[column], gravity_, sum);
+  constant_.segment(column, thing.dof) = sum;
   ++revision_;
 }
 
