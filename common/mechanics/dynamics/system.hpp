@@ -3,8 +3,8 @@
 //
 //   (J W J^T) lambda = - Jdot_v - J W F - ks C - kd J v,      a = W (F + J^T lambda).
 //
-// The way back onto the constraints stands in projection.cpp, what is asked of an evaluation in
-// evaluation.cpp.
+// The way back onto the constraints stands in projection.cpp, rates to start with in
+// start_rates.cpp, what is asked of an evaluation in evaluation.cpp.
 #pragma once
 
 #include <atomic>
@@ -52,7 +52,17 @@ struct Assembly {
   double moved, C_before, Jv_before;
 };
 
-/// The joints cannot be closed. what() is one line that names the worst joint and row.
+/// A rate that a thing starts with: of its coordinate 0, 1 or, a body's angle, 2 (m/s, rad/s).
+struct Rate {
+  template <class Thing>
+  Rate(Handle<Thing> thing, int of, double rate)
+      : column(thing.column), system(thing.system), coordinate(of), value(rate) {}
+  int column, system, coordinate;
+  double value;
+};
+
+/// The joints cannot be closed, or leave no such rates. what() is one line that names the worst
+/// joint and row, or the thing.
 struct AssemblyError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -196,6 +206,12 @@ class System {
   /// rounding, and to a millionth of the scene, which far from the origin or after many turns is
   /// less.
   Assembly assemble(double t, VectorXd& q, VectorXd& v) const;
+
+  /// The velocities at q that have the given rates and keep the joints, J v = 0: where that leaves
+  /// a choice, those of the least kinetic energy. So {{wheel, 2, 10}} turns a crank and all that
+  /// follows it. Redundant joints and rates do no harm. AssemblyError, which names the first thing
+  /// whose rate cannot be had. Dense: for set-up.
+  VectorXd start_rates(const VectorXd& q, const std::vector<Rate>& given) const;
 
   /// Kinetic energy, and potential energy of gravity and of the laws that gave one (J).
   double energy(const VectorXd& q, const VectorXd& v) const;
