@@ -64,6 +64,7 @@ TEST_CASE("the floors of common include only what stands below them") {
       {"mechanics/integrators", {"mechanics/integrators"}},
       {"mechanics/dynamics", {"mechanics/dynamics"}},
       {"mechanics/joints", {"mechanics/joints", "mechanics/dynamics"}},
+      {"mechanics/forces", {"mechanics/forces", "mechanics/dynamics"}},
       {"mechanics/motion",
        {"mechanics/motion", "mechanics/integrators", "mechanics/joints", "mechanics/dynamics"}},
       {"instruments/draw", {"instruments/draw"}},

@@ -28,25 +28,18 @@ mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method&
   check(scene);
   mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
-  const double theta = scene.theta0, phi = scene.rod_angle(theta), omega = scene.omega0;
+  const double theta = scene.theta0, phi = scene.rod_angle(theta);
   const Vector2d crank_pin = scene.crank * Vector2d(std::cos(theta), std::sin(theta));
   const Vector2d along(std::cos(phi), std::sin(phi));  // the rod, from crank pin to slider
 
-  // The rates that keep the loop closed: the slider does not move across the rail.
-  const Vector2d pin_rate = omega * dynamics::S(crank_pin);
-  const double phi_rate =
-      scene.rod == scene.crank ? -omega : -pin_rate.y() / (scene.rod * along.x());
-  const Vector2d rod_rate = pin_rate + phi_rate * scene.rod / 2 * dynamics::S(along);
-  const Vector2d slider_rate = pin_rate + phi_rate * scene.rod * dynamics::S(along);
-
   // [scene]
   const auto build = [&](auto frame) {
-    const auto wheel = system.add_body("wheel", scene.wheel_mass, scene.wheel_inertia(),
-                                       Vector2d::Zero(), theta, Vector2d::Zero(), omega);
+    const auto wheel =
+        system.add_body("wheel", scene.wheel_mass, scene.wheel_inertia(), Vector2d::Zero(), theta);
     const auto rod = system.add_body("rod", scene.rod_mass, scene.rod_inertia(),
-                                     crank_pin + scene.rod / 2 * along, phi, rod_rate, phi_rate);
+                                     crank_pin + scene.rod / 2 * along, phi);
     const auto slider = system.add_body("slider", scene.slider_mass, scene.slider_inertia(),
-                                        {scene.slider_x(theta), 0.0}, 0.0, {slider_rate.x(), 0.0});
+                                        {scene.slider_x(theta), 0.0});
 
     const auto wheel_frame = system.add("wheel_frame", joints::Revolute{}, wheel, frame);
     const auto rod_wheel =
@@ -83,17 +76,23 @@ mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method&
     mechanism.work = [=, torque = scene.torque](const VectorXd& q) {
       return torque * (q[wheel.column + 2] - theta);
     };
-    if (bodies == nullptr) return;
-    *bodies = {wheel, rod, slider, {}};
+    Bodies all{wheel, rod, slider, {}};
     if constexpr (!std::is_same_v<decltype(frame), dynamics::Handle<dynamics::World>>)
-      bodies->frame = frame;
+      all.frame = frame;
+    return all;
   };
 
-  if (scene.simulate_frame)
-    build(system.add_body("frame", scene.frame_mass, scene.frame_inertia, Vector2d::Zero()));
-  else
-    build(dynamics::System::world);
-  mechanism.assemble();
+  const Bodies all =
+      scene.simulate_frame
+          ? build(system.add_body("frame", scene.frame_mass, scene.frame_inertia, Vector2d::Zero()))
+          : build(dynamics::System::world);
+  if (bodies != nullptr) *bodies = all;
+
+  // The wheel's rate is given, and the others follow. Where a rod as long as the crank stands
+  // upright two ways lead on: it is on the one that momentum keeps, phi = -theta.
+  std::vector<dynamics::Rate> rates{{all.wheel, 2, scene.omega0}};
+  if (scene.rod == scene.crank) rates.push_back({all.rod, 2, -scene.omega0});
+  mechanism.assemble(rates);
   return mechanism;
 }
 

@@ -56,8 +56,12 @@ using ConstBlock = Eigen::Map<const Eigen::Matrix<double, r, c>>;
 class BlockLdlt {
  public:
   /// Finds order, fill and storage. size: the rows of each node, 1 to 3. Node i has the rows from
-  /// size[0] + ... + size[i-1] on. edges: the pairs of nodes whose block is not zero.
-  void analyse(const std::vector<int>& size, const std::vector<std::pair<int, int>>& edges);
+  /// size[0] + ... + size[i-1] on. cliques: nodes each two of which have a block that is not zero,
+  /// as all joints of one thing. Near-linear in the number of blocks and of their updates; n nodes
+  /// of one clique have n^2/2 and n^3/6 of these. std::length_error, before anything is stored,
+  /// when they would take more than `largest` bytes.
+  void analyse(const std::vector<int>& size, const std::vector<std::vector<int>>& cliques);
+  static constexpr std::size_t largest = 2'000'000'000;  // so that an int counts all blocks
 
   /// Whether node i is eliminated after node j.
   bool after(int i, int j) const { return position_[index(i)] > position_[index(j)]; }
@@ -107,6 +111,7 @@ class BlockLdlt {
   struct Below {
     int node, size, row, block;
   };
+  int find_below(int i, int j) const;  // the block of rows i and columns j, in below_
   template <int all>
   void factor_blocks(double damping, double smallest);
   template <int all>

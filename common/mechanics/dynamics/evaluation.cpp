@@ -16,7 +16,8 @@ Evaluation::Evaluation(const System& system) : system_(system.identity_.number) 
 // Finds which blocks of J meet in which block of K = J W J^T, and gives everything its storage.
 void Evaluation::analyse(const System& system) {
   using JBlock = Layout::JBlock;
-  revision_ = system.revision_;
+  factored_ = solved_ = false;
+  revision_ = 0;  // until all is laid out
   layout_ = system.layout_;
   things_ = {};
   const Vector2d nowhere = Vector2d::Zero();  // yet
@@ -34,12 +35,21 @@ void Evaluation::analyse(const System& system) {
 
   std::vector<int> sizes;
   for (const JointInfo& joint : layout_.joints) sizes.push_back(joint.r);
-  std::vector<std::pair<int, int>> edges;
-  for (const auto& [column, blocks] : blocks_of_column)
-    for (const JBlock& a : blocks)
-      for (const JBlock& b : blocks)
-        if (a.joint < b.joint) edges.emplace_back(a.joint, b.joint);
-  K_.analyse(sizes, edges);
+  std::vector<std::vector<int>> joints_of_things;
+  for (const auto& [column, blocks] : blocks_of_column) {
+    std::vector<int>& joints = joints_of_things.emplace_back();
+    for (const JBlock& block : blocks) joints.push_back(block.joint);
+  }
+  try {
+    K_.analyse(sizes, joints_of_things);
+  } catch (const std::length_error&) {
+    const auto& [column, blocks] = *std::ranges::max_element(
+        blocks_of_column, {}, [](const auto& thing) { return thing.second.size(); });
+    throw std::invalid_argument(
+        thing_at(layout_.things, column).name + ": the factor of J W J^T would take more than " +
+        std::to_string(BlockLdlt::largest / 1'000'000) + " MB; most joints, " +
+        std::to_string(blocks.size()) + ", are on this thing");
+  }
 
   largest_W_theta_ = 0;
   for (const ThingInfo& thing : layout_.things)
@@ -61,7 +71,7 @@ void Evaluation::analyse(const System& system) {
   for (VectorXd* x : {&C_, &size_, &per_size_, &per_root_K_, &b_, &Jv_, &lambda_, &mu_, &x_})
     x->setZero(layout_.rows);
   J_.setZero(layout_.size_of_J);
-  factored_ = solved_ = false;
+  revision_ = system.revision_;
 }
 
 // Calls f(block, r, dof) for each block of J, its size as constants.

@@ -1,6 +1,7 @@
 // Equation 1 in one state: what System::evaluate found there.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -18,6 +19,11 @@ struct ThingInfo {
   std::string name;
   int column, dof, index;
 };
+
+/// The thing whose coordinates begin at a column; the things stand in that order.
+inline const ThingInfo& thing_at(const std::vector<ThingInfo>& things, int column) {
+  return *std::ranges::lower_bound(things, column, {}, &ThingInfo::column);
+}
 
 /// A row of a joint, counted from 1.
 struct JointRow {

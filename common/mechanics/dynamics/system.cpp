@@ -87,12 +87,32 @@ void System::set_gravity(const Vector2d& g) {
   ++revision_;
 }
 
-void System::add_load(int column, const VectorXd& F) {
-  const auto thing = std::find_if(layout_.things.begin(), layout_.things.end(),
-                                  [&](const ThingInfo& info) { return info.column == column; });
-  const VectorXd sum = constant_.segment(column, thing->dof) + F;
-  check_load(thing->name, layout_.M[column], gravity_, sum);
-  constant_.segment(column, thing->dof) = sum;
+ForceHandle System::add_load(int column, const VectorXd& F) {
+  const ThingInfo& thing = thing_at(layout_.things, column);
+  const VectorXd sum = constant_.segment(column, thing.dof) + F;
+  check_load(thing.name, layout_.M[column], gravity_, sum);
+  constant_.segment(column, thing.dof) = sum;
+  loads_.push_back({column, F, ++forces_});
+  return applied();
+}
+
+void System::remove(ForceHandle force) {
+  check("remove", JointHandle{force.number, force.system});
+  const auto is_meant = [&](const auto& other) { return other.number == force.number; };
+  if (const auto load = std::ranges::find_if(loads_, is_meant); load != loads_.end()) {
+    // Not subtracted, but summed anew: nothing of it is left, not even its rounding.
+    const ThingInfo& thing = thing_at(layout_.things, load->column);
+    VectorXd sum = VectorXd::Zero(thing.dof);
+    for (const Load& other : loads_)
+      if (other.column == load->column && !is_meant(other)) sum += other.F;
+    check_load(thing.name, layout_.M[thing.column], gravity_, sum);
+    constant_.segment(thing.column, thing.dof) = sum;
+    loads_.erase(load);
+  } else if (std::erase_if(particle_laws_, is_meant) + std::erase_if(body_laws_, is_meant) +
+                 std::erase_if(mutual_laws_, is_meant) ==
+             0) {
+    throw std::invalid_argument("remove: this force is not applied any more");
+  }
   ++revision_;
 }
 
@@ -166,10 +186,11 @@ void System::enter(const VectorXd& q, const VectorXd& v, Evaluation& e) const {
 
 void System::find_forces(double t, Evaluation& e) const {
   e.F_ = e.F0_;
-  for (const auto& [thing, F, V] : particle_laws_)
+  for (const auto& [thing, F, V, number] : particle_laws_)
     e.F_.segment<2>(thing.column) += F(t, e.things_[thing]);
-  for (const auto& [thing, F, V] : body_laws_)
+  for (const auto& [thing, F, V, number] : body_laws_)
     e.F_.segment<3>(thing.column) += F(t, e.things_[thing]);
+  for (const AnyMutualLaw& law : mutual_laws_) law.add(t, e.things_, e.F_);
 }
 
 // All that concerns each joint alone, with a_ = W F: C, J, b and the diagonal blocks of K.
@@ -212,13 +233,28 @@ void System::solve(const VectorXd& q, const VectorXd& v, Evaluation& e) const {
 
 // ---- What a scene tells of a state without its joints ----
 
+// All things in state q, v, where no evaluation holds them.
+Things System::things_at(const VectorXd& q, const VectorXd& v) const {
+  Things things;
+  for (const auto& [name, column, dof, index] : layout_.things)
+    if (dof == 2)
+      things.particles.push_back({at(Handle<Particle>{index, column}, q, v), column});
+    else
+      things.bodies.push_back({at(Handle<Body>{index, column}, q, v), column});
+  return things;
+}
+
 VectorXd System::forces(double t, const VectorXd& q, const VectorXd& v) const {
   check_lengths(q, v);
   VectorXd forces = weights();
-  for (const auto& [thing, F, V] : particle_laws_)
+  for (const auto& [thing, F, V, number] : particle_laws_)
     forces.segment<2>(thing.column) += F(t, at(thing, q, v));
-  for (const auto& [thing, F, V] : body_laws_)
+  for (const auto& [thing, F, V, number] : body_laws_)
     forces.segment<3>(thing.column) += F(t, at(thing, q, v));
+  if (!mutual_laws_.empty()) {
+    const Things things = things_at(q, v);
+    for (const AnyMutualLaw& law : mutual_laws_) law.add(t, things, forces);
+  }
   return forces + 0 * q + 0 * v;
 }
 
@@ -227,10 +263,15 @@ double System::energy(const VectorXd& q, const VectorXd& v) const {
   double energy = kinetic_energy(v);
   for (const ThingInfo& thing : layout_.things)
     energy -= gravity_.dot(q.segment<2>(thing.column)) * layout_.M[thing.column];
-  for (const auto& [thing, F, V] : particle_laws_)
+  for (const auto& [thing, F, V, number] : particle_laws_)
     if (V) energy += V(at(thing, q, v));
-  for (const auto& [thing, F, V] : body_laws_)
+  for (const auto& [thing, F, V, number] : body_laws_)
     if (V) energy += V(at(thing, q, v));
+  if (!mutual_laws_.empty()) {
+    const Things things = things_at(q, v);
+    for (const AnyMutualLaw& law : mutual_laws_)
+      if (law.V) energy += law.V(things);
+  }
   return energy + nan_of(q);
 }
 

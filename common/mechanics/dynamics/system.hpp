@@ -3,13 +3,13 @@
 //
 //   (J W J^T) lambda = - Jdot_v - J W F - ks C - kd J v,      a = W (F + J^T lambda).
 //
-// The way back onto the constraints stands in projection.cpp, what is asked of an evaluation in
-// evaluation.cpp.
+// The way back onto the constraints stands in projection.cpp, rates to start with in
+// start_rates.cpp, what is asked of an evaluation in evaluation.cpp.
 #pragma once
 
 #include <atomic>
+#include <concepts>
 #include <cstddef>
-#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "mechanics/dynamics/evaluation.hpp"
+#include "mechanics/dynamics/force.hpp"
 #include "mechanics/dynamics/joint.hpp"
 #include "mechanics/dynamics/things.hpp"
 
@@ -38,23 +39,6 @@ struct Identity {
   }
 };
 
-/// An applied force: (fx, fy) in N at the centre of mass and, on a body, the moment in N m.
-template <class Thing>
-using Force = Eigen::Vector<double, Thing::dof>;
-template <class Thing>
-using ForceLaw = std::function<Force<Thing>(double t, const Thing&)>;
-/// The potential energy (J) that belongs to a force law.
-template <class Thing>
-using Potential = std::function<double(const Thing&)>;
-
-/// A force law on one thing.
-template <class Thing>
-struct Law {
-  Handle<Thing> thing;
-  ForceLaw<Thing> F;
-  Potential<Thing> V;
-};
-
 /// How a projection ended: whether C and J v are down to rounding, and the Newton steps it took.
 struct Projection {
   bool converged;
@@ -68,7 +52,17 @@ struct Assembly {
   double moved, C_before, Jv_before;
 };
 
-/// The joints cannot be closed. what() is one line that names the worst joint and row.
+/// A rate that a thing starts with: of its coordinate 0, 1 or, a body's angle, 2 (m/s, rad/s).
+struct Rate {
+  template <class Thing>
+  Rate(Handle<Thing> thing, int of, double rate)
+      : column(thing.column), system(thing.system), coordinate(of), value(rate) {}
+  int column, system, coordinate;
+  double value;
+};
+
+/// The joints cannot be closed, or leave no such rates. what() is one line that names the worst
+/// joint and row, or the thing.
 struct AssemblyError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -137,18 +131,59 @@ class System {
 
   /// A constant force and couple from outside: the work it does shows as a change of energy().
   template <class Thing>
-  void apply(Handle<Thing> thing, const std::type_identity_t<Force<Thing>>& F) {
+  ForceHandle apply(Handle<Thing> thing, const std::type_identity_t<Force<Thing>>& F) {
     check("apply", thing);
-    add_load(thing.column, F);
+    return add_load(thing.column, F);
   }
   /// A force that depends on time and on the thing's own state, with its potential if it has one.
   template <class Thing>
-  void apply(Handle<Thing> thing, std::type_identity_t<ForceLaw<Thing>> F,
-             std::type_identity_t<Potential<Thing>> V = {}) {
+  ForceHandle apply(Handle<Thing> thing, std::type_identity_t<ForceLaw<Thing>> F,
+                    std::type_identity_t<Potential<Thing>> V = {}) {
     check("apply", thing);
-    laws(thing).push_back({thing, std::move(F), std::move(V)});
-    ++revision_;
+    laws(thing).push_back({thing, std::move(F), std::move(V), ++forces_});
+    return applied();
   }
+  /// What two things, or a thing and the world, do to each other: F is what the first gets.
+  /// std::invalid_argument for a thing with itself.
+  template <class First, class Second>
+  ForceHandle apply(Handle<First> first, Handle<Second> second,
+                    std::type_identity_t<MutualLaw<First, Second>> F,
+                    std::type_identity_t<MutualPotential<First, Second>> V = {}) {
+    static_assert(First::dof + Second::dof > 0, "a force needs a thing that can move");
+    check_pair(first, second);
+    AnyMutualLaw law{[=, F = std::move(F)](double t, const Things& things, VectorXd& forces) {
+                       const Push push = F(t, things[first], things[second]);
+                       add_push(1, push, things[first], first.column, forces);
+                       add_push(-1, push, things[second], second.column, forces);
+                     },
+                     {},
+                     ++forces_};
+    if (V)
+      law.V = [=, V = std::move(V)](const Things& things) {
+        return V(things[first], things[second]);
+      };
+    mutual_laws_.push_back(std::move(law));
+    return applied();
+  }
+  /// The same of a type that has push(first, second), potential(first, second) and, as a joint,
+  /// fault().
+  template <class First, class Second, class Forces>
+  requires requires(const Forces& forces, const First& first, const Second& second) {
+    { forces.push(first, second) } -> std::same_as<Push>;
+  }
+  ForceHandle apply(Handle<First> first, Handle<Second> second, const Forces& forces) {
+    check_pair(first, second);
+    if (const char* fault = forces.fault())
+      throw std::invalid_argument(name_of(first.column) + " and " + name_of(second.column) + ": " +
+                                  fault);
+    return apply(
+        first, second,
+        [=](double, const First& one, const Second& two) { return forces.push(one, two); },
+        [=](const First& one, const Second& two) { return forces.potential(one, two); });
+  }
+  /// Takes back what was applied, as if it had never been. std::invalid_argument when it is gone
+  /// already.
+  void remove(ForceHandle force);
 
   /// The gains ks (1/s^2) and kd (1/s) of equation 1, both finite; a term of gain 0 is left out.
   void set_feedback(double ks, double kd);
@@ -176,6 +211,12 @@ class System {
   /// rounding, and to a millionth of the scene, which far from the origin or after many turns is
   /// less.
   Assembly assemble(double t, VectorXd& q, VectorXd& v) const;
+
+  /// The velocities at q that have the given rates and keep the joints, J v = 0: where that leaves
+  /// a choice, those of the least kinetic energy. So {{wheel, 2, 10}} turns a crank and all that
+  /// follows it. Redundant joints and rates do no harm. AssemblyError, which names the first thing
+  /// whose rate cannot be had. Dense: for set-up.
+  VectorXd start_rates(const VectorXd& q, const std::vector<Rate>& given) const;
 
   /// Kinetic energy, and potential energy of gravity and of the laws that gave one (J).
   double energy(const VectorXd& q, const VectorXd& v) const;
@@ -217,7 +258,11 @@ class System {
                  const VectorXd& v);
   JointHandle add_joint(const std::string& name, std::unique_ptr<AnyJoint> rows, int r,
                         const char* const* unit, Side first, Side second);
-  void add_load(int column, const VectorXd& F);
+  ForceHandle add_load(int column, const VectorXd& F);
+  ForceHandle applied() {
+    ++revision_;
+    return {forces_, identity_.number};
+  }
   auto& laws(Handle<Particle>) { return particle_laws_; }
   auto& laws(Handle<Body>) { return body_laws_; }
 
@@ -225,6 +270,17 @@ class System {
   template <class Thing>
   void check(const char* who, Handle<Thing> thing) const {
     if constexpr (Thing::dof > 0) check(who, JointHandle{thing.index, thing.system});
+  }
+  template <class First, class Second>
+  void check_pair(Handle<First> first, Handle<Second> second) const {
+    check("apply", first);
+    check("apply", second);
+    if (first.column == second.column)
+      throw std::invalid_argument(name_of(first.column) + ": no force acts between a thing and " +
+                                  "itself");
+  }
+  std::string name_of(int column) const {
+    return column < 0 ? "world" : thing_at(layout_.things, column).name;
   }
   void check_load(const std::string& name, double mass, const Vector2d& g, const VectorXd& F) const;
   void check_rows(const std::string& name, const VectorXd& C, const VectorXd& size,
@@ -241,6 +297,7 @@ class System {
             rotation(theta)};
   }
 
+  Things things_at(const VectorXd& q, const VectorXd& v) const;
   VectorXd weights() const;
   void enter(const VectorXd& q, const VectorXd& v, Evaluation& e) const;
   void find_forces(double t, Evaluation& e) const;
@@ -259,12 +316,15 @@ class System {
   std::set<std::string> joint_names_;
   std::vector<std::unique_ptr<AnyJoint>> joints_;  // as in layout_.joints
   int particles_ = 0, bodies_ = 0;
+  int forces_ = 0;  // counts what was applied
+  std::vector<Load> loads_;
   std::vector<Law<Particle>> particle_laws_;
   std::vector<Law<Body>> body_laws_;
+  std::vector<AnyMutualLaw> mutual_laws_;
 
   Vector2d gravity_ = Vector2d::Zero();
   double ks_ = 0, kd_ = 0;
-  VectorXd q0_, v0_, constant_;  // one entry a coordinate
+  VectorXd q0_, v0_, constant_;  // one entry a coordinate; constant_: the sum of the loads
 };
 
 }  // namespace dynamics

@@ -52,15 +52,17 @@ class Mechanism {
     v_ = system.initial_v();
   }
 
-  /// Closes the joints before the first step; a start that had to be moved becomes a note.
-  /// Throws dynamics::AssemblyError.
-  void assemble() {
+  /// Closes the joints before the first step; a start that had to be moved becomes a note. Where
+  /// rates are given, they are all that moves, with what follows them; otherwise the velocities of
+  /// the things are projected. Throws dynamics::AssemblyError.
+  void assemble(const std::vector<dynamics::Rate>& given = {}) {
     start_as_given();
     const dynamics::Assembly assembly = system.assemble(0.0, q_, v_);
+    if (!given.empty()) v_ = system.start_rates(q_, given);
     if (assembly.projected)
       notes_.push_back("start: off its constraints by " + in_digits(assembly.C_before) +
                        "; projected onto them, which moved it by " + in_digits(assembly.moved));
-    else if ((v_ - system.initial_v()).norm() > 1e-9 * system.initial_v().norm())
+    else if (given.empty() && (v_ - system.initial_v()).norm() > 1e-9 * system.initial_v().norm())
       notes_.push_back("start: its velocities broke the constraints by " +
                        in_digits(assembly.Jv_before) + "; projected");
   }
