@@ -268,7 +268,7 @@ TEST_CASE("spring and damper in motion converge to the exact answer, and leave t
   }
 }
 
-TEST_CASE("a spring keeps the energy, with a damper it is not compared, and must not rise") {
+TEST_CASE("a spring keeps the energy, with a damper it is not compared, and none is gained") {
   Motion spring = motion(sprung(100.0, 0.0));
   spring.advance(1000, 1e-3);
   CHECK(spring.measures().balances());
@@ -283,6 +283,8 @@ TEST_CASE("a spring keeps the energy, with a damper it is not compared, and must
   };
   using enum integrators::Scheme;
   CHECK(verdict(sprung(100.0, 3.0), {}, 1000, 1e-3).right());
+  // Explicit Euler gains some in its first steps, which the damper takes again.
+  CHECK(verdict(sprung(0.0, 800.0, 0.0, 0.0, -0.5, 0.1), {explicit_euler}, 150, 1.7e-4).right());
   const Scene slow = sprung(1e4, 1e5, 0.1, -0.01000001, 0.0);
   CHECK(verdict(slow, {implicit_midpoint}, 8, 0.25).right());
   CHECK(verdict(slow, {}, 8, 0.25).words() == "energy, position and velocity");

@@ -35,7 +35,7 @@ struct Measures {
   /// What stays constant in an exact motion [J]; not a number where there is no such thing.
   double balance() const { return energy - work; }
   bool balances() const { return !std::isnan(work); }
-  /// The balance, or where there is none the energy, which then does not rise [J].
+  /// The balance, or where there is none the energy, which then only falls [J].
   double kept() const { return balances() ? balance() : energy; }
   bool finite() const {
     return std::isfinite(kept()) && std::isfinite(constraint_error) &&

@@ -141,8 +141,7 @@ void Watch::look(const Measures& now) {
   largest_state_ = std::max(largest_state_, simulation_.state_size());
   largest_energy_ =
       std::max(largest_energy_, std::abs(now.energy) + std::abs(now.balances() ? now.work : 0.0));
-  const double change = now.kept() - balance_;
-  energy_.take(t, now.balances() ? std::abs(change) : change);
+  energy_.take(t, std::abs(now.balance() - balance_));
 }
 
 double Watch::largest_energy_error() const {
@@ -172,21 +171,22 @@ Verdict Watch::verdict(double position_error, double angle_error, double velocit
   if (const double opening = opening_.most(); opening > far_off)
     verdict.faults.push_back(fault("joints", "joints are open by", opening, "m", opening / size,
                                    opening_.since(far_off)));
-  const double energy = energy_.most(),
+  const bool balances = start_.balances();
+  const double energy = balances ? energy_.most() : last_.kept() - balance_,
                allowed = std::max(far * largest_kinetic_, energy_rounding());
   const bool feedback = simulation_.method().stabilization == Stabilization::feedback;
   if (energy > allowed && !(open_ && feedback))
-    verdict.faults.push_back(fault("energy",
-                                   start_.balances()
-                                       ? "the energy balance is off by"
-                                       : "the energy, from which the loads only take, has risen by",
-                                   energy, "J", energy / largest_kinetic_, energy_.since(allowed)));
+    verdict.faults.push_back(fault(
+        "energy",
+        balances ? "the energy balance is off by"
+                 : "the energy, from which the loads only take, is above that of the start by",
+        energy, "J", energy / largest_kinetic_, balances ? energy_.since(allowed) : at_the_end));
   const double error = std::max(position_error, angle_error * reach_.largest_radius());
   if (error > far_off)
     verdict.faults.push_back(
         fault("position", "the position is off by", error, "m", error / size, at_the_end));
   const double slow = rounding_of_a_run * size / t_;  // crosses the scene in 1e11 such runs
-  if (!start_.balances() && velocity_error > std::max(far * largest_speed_, slow))
+  if (!balances && velocity_error > std::max(far * largest_speed_, slow))
     verdict.faults.push_back(fault("velocity", "the velocity is off by", velocity_error, "m/s",
                                    velocity_error / largest_speed_, at_the_end));
   if (simulation_.method().tolerance > 0.0)

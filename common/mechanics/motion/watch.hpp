@@ -60,12 +60,13 @@ struct Verdict {
 ///     position    the error against the exact answer, where there is one, of the scene's size
 ///
 /// The balance is energy less the work of the loads. Where a load takes energy and the state does
-/// not tell how much, as with a damper, there is none; then the energy must not rise, and the
-/// velocity must be that of the exact answer to 1 % of the largest speed of the run. Where the
-/// start is open and the method takes that away, it does work of its own: after projection the
-/// balance counts from there, and under feedback neither the balance nor, until it is taken away,
-/// the opening says anything. (What either does to the drift of the steps is an error like others.)
-/// What is lost in the rounding of the terms compared does not count.
+/// not tell how much, as with a damper, there is none; then the energy must not be above that
+/// of the start, whatever it was in between, which a damper makes forgotten, and the velocity must
+/// be that of the exact answer to 1 % of the largest speed of the run. Where the start is open and
+/// the method takes that away, it does work of its own: after projection the balance counts from
+/// there, and under feedback neither the balance nor, until it is taken away, the opening says
+/// anything. (What either does to the drift of the steps is an error like others.) What is lost in
+/// the rounding of the terms compared does not count.
 ///
 /// A tolerance that was not kept is told as well: with an energy balance off by 200 times that part
 /// of the kinetic energy (20, where the steps collapsed besides), or an error by 50 times that part
