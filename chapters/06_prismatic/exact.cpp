@@ -7,16 +7,62 @@
 namespace prismatic {
 namespace {
 
-/// The incline: a constant acceleration along the rail, nothing across it, and no turning.
+using Real = long double;
+
+/// (1 − e^−x)/x.
+Real fading(Real x) { return x == 0 ? 1 : -std::expm1(-x) / x; }
+
+// [oscillator]
+/// What an oscillator makes of a push, from rest at its place: u after one that gives it a unit of
+/// velocity, p after a steady one that gives it a unit of acceleration,
+///
+///     ü + 2γ u̇ + κ u = 0,  u(0) = 0,  u̇(0) = 1,      p = ∫ u dt,
+///
+/// written so that nothing cancels in any regime, and nothing overflows.
+struct Push {
+  Real u, p;
+};
+
+Push push(Real kappa, Real gamma, Real t) {
+  const Real d = gamma * gamma - kappa, w = std::sqrt(std::abs(d));
+  const Real fast = d > 0 ? gamma + w : std::sqrt(kappa);  // the larger root's size
+  if (fast * t < 1) {  // hardly begun: term by term, uₙ = u⁽ⁿ⁾(0) tⁿ/n!
+    Push sum{0, 0};
+    Real u_n = 0, next = t;
+    for (int n = 0; n < 24; ++n) {
+      sum.u += u_n;
+      sum.p += u_n * t / Real(n + 1);
+      const Real after = -(2 * gamma * next + kappa * t * u_n / Real(n + 1)) * t / Real(n + 2);
+      u_n = next;
+      next = after;
+    }
+    return sum;
+  }
+  if (d <= 0) {  // it swings, or, with w = 0, is damped critically
+    const Real f = std::exp(-gamma * t), s = w > 0 ? std::sin(w * t) / w : t;
+    return {f * s, (1 - f * (std::cos(w * t) + gamma * s)) / kappa};
+  }
+  const Real slow = kappa / fast, f = std::exp(-slow * t), s = t * fading(2 * w * t);
+  return {f * s, (t * fading(slow * t) - f * s) / fast};
+}
+
+/// The fixed rail: nothing across it and no turning; along it s̈ + 2γ ṡ + κ s = a, of which the
+/// motion is made of the start and pushes. u̇ is the equation of u, integrated once.
 Exact exact_incline(const Scene& scene, double t) {
-  const double beta = scene.angle(), a = scene.gravity * std::sin(beta);
-  return {a * t * t / 2 * along(beta),
-          a * t * along(beta),
+  const double beta = scene.angle();
+  const Real m = scene.mass, kappa = scene.stiffness / m, gamma = scene.damping / (2 * m);
+  const Real s0 = scene.s0, v0 = scene.v0, a = scene.gravity * std::sin(beta);
+  const auto [u, p] = push(kappa, gamma, t);
+  const Real s = s0 * (1 - kappa * p) + v0 * u + a * p;
+  const Real v = v0 * (1 - 2 * gamma * u - kappa * p) + (a - kappa * s0) * u;
+  return {static_cast<double>(s) * along(beta),
+          static_cast<double>(v) * along(beta),
           beta,
           0.0,
           -scene.mass * scene.gravity * std::cos(beta) * across(beta),
           0.0};
 }
+// [oscillator]
 
 /// The spinning rail, by what it conserves. About the pin the inertia is I(r) = Is + m r², with Is
 /// of rail and block about their own centres. Angular momentum gives ω = ω0 I(r0)/I(r), energy then
@@ -48,8 +94,6 @@ class SpinMotion {
   }
 
  private:
-  using Real = long double;
-
   Real I(Real r) const { return Is_ + Real(scene_.mass) * r * r; }
   /// √(I(r)/I(r0)) at r = r0 cosh η.
   Real root(Real eta) const { return std::sqrt(I(scene_.r0 * std::cosh(eta)) / I(scene_.r0)); }

@@ -14,7 +14,9 @@ struct Exact {
   double moment;        ///< about the centre of mass [N·m]
 };
 
-/// At time t [s]: of the incline in closed form, of the spinning rail by a quadrature.
+/// At time t [s]: of the fixed rail in closed form, under-, critically or over-damped, to rounding
+/// of the start's size; of the spinning rail by a quadrature. Of what make_mechanism refuses it is
+/// not the answer.
 Exact exact(const Scene& scene, double t);
 
 }  // namespace prismatic

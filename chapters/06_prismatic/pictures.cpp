@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "exact.hpp"
 #include "instruments/pictures/lesson.hpp"
 #include "instruments/pictures/mechanism_stage.hpp"
 #include "mechanism.hpp"
@@ -20,6 +21,7 @@ Motion motion(const Scene& scene, const mechanics::Method& method = {}) {
 
 Scene spinning(Scene scene) {
   if (!scene.spins()) scene.spin = 5.0;
+  scene.stiffness = scene.damping = scene.s0 = scene.v0 = 0.0;
   return scene;
 }
 
@@ -88,8 +90,14 @@ double size_of(const draw::View& view) {
 /// Metres for a newton, so that the largest of some forces is drawn so many metres long.
 double force_scale(double largest, double metres) { return largest > 0.0 ? metres / largest : 0.0; }
 
-Picture scene_picture(Scene scene) {
-  scene.spin = 0.0;
+/// On the fixed rail, from rest, with nothing but its weight.
+Scene sliding(Scene scene) {
+  scene.spin = scene.stiffness = scene.damping = scene.s0 = scene.v0 = 0.0;
+  return scene;
+}
+
+Picture scene_picture(const Scene& given) {
+  const Scene scene = sliding(given);
   Motion start = motion(scene);
   const Instant instant = now(scene, start);
   const Vector2d weight(0.0, scene.mass * scene.gravity), sum = weight + instant.force;
@@ -134,8 +142,8 @@ Picture scene_picture(Scene scene) {
 }
 
 /// The block at equal intervals of time on its way down the incline.
-Picture motion_picture(Scene scene, const RunOptions& run) {
-  scene.spin = 0.0;
+Picture motion_picture(const Scene& given, const RunOptions& run) {
+  const Scene scene = sliding(given);
   constexpr int count = 6;
   const double pull = scene.gravity * std::abs(std::sin(scene.angle()));
   const double wanted = std::min(std::sqrt(2.0 * 2.0 / std::max(pull, 1e-12)), run.duration);
@@ -300,25 +308,47 @@ Picture turned_off_picture(const Scene& given, const RunOptions& run) {
                                  "m or rad");
 }
 
-/// How far from (0, 0) the block is after some time: exact on the incline, at most so far on the
-/// rail that turns.
-double reach(const Scene& scene, double t) {
-  return scene.spins() ? scene.r0 * std::hypot(1.0, scene.spin * t)
-                       : 0.5 * scene.gravity * std::abs(std::sin(scene.angle())) * t * t;
+/// How far from (0, 0) the block can be on the rail that turns after some time.
+double reach(const Scene& scene, double t) { return scene.r0 * std::hypot(1.0, scene.spin * t); }
+
+/// Between which places [m] along the fixed rail the block is up to some time.
+std::pair<double, double> range(const Scene& scene, double t) {
+  constexpr int looks = 400;
+  double least = scene.s0, most = scene.s0;
+  for (int i = 1; i <= looks; ++i) {
+    const double s = exact(scene, t * i / looks).x.dot(along(scene.angle()));
+    least = std::min(least, s), most = std::max(most, s);
+  }
+  return {least, most};
+}
+
+/// The spring as a zigzag from (0, 0) to the block.
+void draw_coil(Canvas& canvas, Vector2d block, double width) {
+  constexpr int turns = 24;
+  const Vector2d side = width * Vector2d(-block.y(), block.x()).normalized();
+  std::vector<draw::Point> points;
+  for (int i = 0; i <= turns; ++i) {
+    const double off = i == 0 || i == turns ? 0.0 : i % 2 == 0 ? 1.0 : -1.0;
+    points.push_back(point(double(i) / turns * block + off * side));
+  }
+  canvas.curve(points, canvas.theme().applied_force, 1.4);
+  canvas.bead({0.0, 0.0}, 3.0, canvas.theme().applied_force, canvas.theme().applied_force);
 }
 
 class BlockStage final : public pictures::MechanismStage {
  public:
   BlockStage(const Scene& scene, const RunOptions& run)
       : MechanismStage(run, make_mechanism(scene, run.method)), scene_(scene) {
-    const double far = reach(scene, run.duration);
     std::vector<draw::Point> seen{{-0.5, -0.5}, {0.5, 0.5}};
     if (scene.spins()) {
+      const double far = reach(scene, run.duration);
       seen.push_back({-far, -far});
       seen.push_back({far, far});
     } else {  // from the start to the end, with room for the reaction
-      const Vector2d end = (scene.incline < 0.0 ? -far : far) * along(scene.angle());
-      for (const Vector2d& x : {Vector2d(0.0, 0.0), end}) {
+      const auto [least, most] = range(scene, run.duration);
+      const double far = most - least;
+      for (const double s : {least, most}) {
+        const Vector2d x = s * along(scene.angle());
         seen.push_back(point(x));
         seen.push_back(point(x - 0.2 * far * across(scene.angle())));
       }
@@ -345,6 +375,7 @@ class BlockStage final : public pictures::MechanismStage {
     const Instant instant = now(scene_, motion);
     draw_rail(canvas, instant, 3.0 * size_of(view()), 1.0, 2.4);
     if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.6, draw::Dash::dotted);
+    if (scene_.stiffness > 0.0) draw_coil(canvas, instant.x, 0.25 * scene_.height);
     draw_block(canvas, scene_, instant, 1.0);
     if (scene_.width * canvas.points_per_metre() < 10.0)  // else it could not be seen from afar
       canvas.bead(point(instant.x), 4.0, canvas.theme().body, canvas.theme().body_edge);

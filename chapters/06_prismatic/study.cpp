@@ -8,6 +8,9 @@
 
 #include "app/chapter.hpp"
 #include "exact.hpp"
+#include "instruments/draw/image.hpp"
+#include "instruments/files/files.hpp"
+#include "instruments/files/progress.hpp"
 #include "mechanics/integrators/amplification.hpp"
 #include "mechanism.hpp"
 
@@ -18,25 +21,28 @@ using mechanics::Method;
 using mechanics::Stabilization;
 using Motion = mechanics::Motion<mechanics::Mechanism>;
 
-/// The block on a level rail, held by a spring of stiffness k [N/m] and let go 0.1 m off its rest.
-/// The exact motion is 0.1 cos(√(k/m) t).
-mechanics::Mechanism make_spring(double k, const mechanics::Method& method) {
-  const Scene scene{.incline = 0.0, .gravity = 0.0};
-  mechanics::Mechanism mechanism(method);
-  dynamics::System& system = mechanism.system;
-  const auto block = system.add_body("block", scene.mass, scene.inertia(), {0.1, 0.0});
-  system.add("block_rail", joints::Prismatic{}, system.world, block);
-  system.apply(
-      block,
-      [k](double, const dynamics::Body& body) { return Eigen::Vector3d(-k * body.x.x(), 0, 0); },
-      [k](const dynamics::Body& body) { return 0.5 * k * body.x.x() * body.x.x(); });
-  mechanism.assemble();
-  return mechanism;
+/// The block on a level rail, held by a spring [N/m] and let go 0.1 m off its rest.
+Scene on_spring(double stiffness) {
+  return {.incline = 0.0, .gravity = 0.0, .stiffness = stiffness, .s0 = 0.1};
+}
+
+/// The same with a damper that lets it creep back at s/10 in a second: the slow root of
+/// x² + 1e5 x + 1e4. It starts in that motion, or is kicked out of it.
+Scene creeping() {
+  Scene scene = on_spring(1e4);
+  scene.damping = 1e5;
+  scene.v0 = -0.01000001;
+  return scene;
+}
+Scene kicked() {
+  Scene scene = creeping();
+  scene.v0 = 1.0;
+  return scene;
 }
 
 /// Whether the spring's oscillation stays bounded at a step of h_omega / √(k/m) [s].
 bool spring_stays(const mechanics::Method& method, double k, double h_omega) {
-  mechanics::Motion<mechanics::Mechanism> motion(make_spring(k, method), method);
+  Motion motion(make_mechanism(on_spring(k), method), method);
   const double start = motion.measures().energy;
   try {
     for (int i = 0; i < 200; ++i) {
@@ -53,11 +59,17 @@ measure::Start of(const Scene& scene) {
   return measure::start_of([=](const Method& method) { return make_mechanism(scene, method); });
 }
 
-/// How far from the exact place [m] it is at the end of so many steps.
+measure::Errors errors_of(const Scene& scene) {
+  return [=](const mechanics::Row& row) { return errors(scene, row); };
+}
+
+/// How far from the exact place [m] it is at the end of so many steps, and how far from the exact
+/// velocity [m/s].
 std::function<double()> place(const Scene& scene, const Method& method, long steps, double h) {
-  return measure::final_error(
-      of(scene), [=](const mechanics::Row& row) { return errors(scene, row); }, 0, method, steps,
-      h);
+  return measure::final_error(of(scene), errors_of(scene), 0, method, steps, h);
+}
+std::function<double()> velocity(const Scene& scene, const Method& method, long steps, double h) {
+  return measure::final_error(of(scene), errors_of(scene), 1, method, steps, h);
 }
 
 measure::Start scene_in(const measure::Units& units) {
@@ -68,6 +80,60 @@ measure::Start scene_in(const measure::Units& units) {
   there.spin /= units.time;
   return of(there);
 }
+
+// [stiff]
+/// Error against run time where the damper is a hundred thousand times faster than the motion: each
+/// method from 8 steps in 2 s up.
+void report_stiff(const Scene& scene, const measure::Quantity& quantity, std::size_t which,
+                  const std::string& name, const std::string& title, const std::string& remark,
+                  const std::filesystem::path& out) {
+  measure::Ladder ladder{.methods = measure::every_integrator(),
+                         .duration = 2.0,
+                         .coarsest = 0.25,
+                         .rungs = 16,
+                         .quantities = {quantity}};
+  ladder.methods.push_back(
+      {integrators::Scheme::dop853, Stabilization::none, 0.0, 0.0, mechanics::coarsest_tolerance});
+  const auto error = [=](const mechanics::Row& row) {
+    return std::vector<double>{errors(scene, row)[which]};
+  };
+  measure::Report report{"Prismatic joint: " + title,
+                         ladder.duration,
+                         "m or rad",
+                         ladder.quantities,
+                         measure::machine(),
+                         {},
+                         remark};
+  {
+    files::Progress progress;
+    report.rungs =
+        measure::climb(ladder, of(scene), error,
+                       [&](double done, const std::string& what) { progress.show(done, what); });
+  }
+  fmt::print("\n{}\n", measure::table(report));
+  files::write_file(out / (name + ".csv"), measure::csv(report));
+  measure::Report drawn = measure::read_csv(out / (name + ".csv"));
+  for (measure::Rung& rung : drawn.rungs)  // what flies off and is finite still: no curve to draw
+    if (!rung.errors.empty() && rung.errors[0] > 1e3) rung.errors.clear();
+  const auto picture = pictures::error_picture(drawn, name, title);
+  files::write_file(out / (name + ".png"), draw::encode_png(draw::render({}, picture.draw)));
+  fmt::print("{}\n{}\n", (out / (name + ".csv")).string(), (out / (name + ".png")).string());
+}
+
+void report_stiff_forces(const std::filesystem::path& out) {
+  report_stiff(
+      creeping(), {"position", "m"}, 0, "stiff",
+      "A spring of 10⁴ N/m, a damper of 10⁵ N·s/m, from the slow motion",
+      "No explicit method has a point further left: with steps above 2·10⁻⁵ s, RK4 2.8·10⁻⁵ s, "
+      "it flies off.",
+      out);
+  report_stiff(kicked(), {"velocity", "m/s"}, 1, "stiff_kicked",
+               "Spring and damper, kicked out of the slow motion at 1 m/s",
+               "The kick dies within 10⁻⁴ s. The implicit midpoint rule turns it round in every "
+               "step instead, and loses it only with some 1000 steps.",
+               out);
+}
+// [stiff]
 
 }  // namespace
 
@@ -116,6 +182,16 @@ measure::Stability stability() {
          if (motion.model().evaluation().dependent_rows().size() != 2) return 1.0;
          return errors(scene, row)[0];
        }},
+      {"1e4 N/m and 1e5 N·s/m, implicit_midpoint, 8 steps", "place, m", accurate(1e-6),
+       place(creeping(), {Scheme::implicit_midpoint}, 8, 0.25)},
+      {"the same, rk4, 65536 steps", "", refused("no longer finite"),
+       place(creeping(), rk4, 65536, 2.0 / 65536)},
+      {"the same, rk4, 131072 steps", "place, m", accurate(1e-12),
+       place(creeping(), rk4, 131072, 2.0 / 131072)},
+      {"the same, kicked, implicit_midpoint, 8 steps", "velocity, m/s", degraded(0.5, 1.5),
+       velocity(kicked(), {Scheme::implicit_midpoint}, 8, 0.25)},
+      {"1e12 N/m and 1e12 N·s/m, implicit_midpoint", "place, m", accurate(1e-9),
+       place({.stiffness = 1e12, .damping = 1e12}, {Scheme::implicit_midpoint}, 1000, 0.002)},
       {"feedback past its limit: h√ks = 5", "", refused("kinetic energy"),
        energy_error(of({.spin = 5.0}), feedback(6.25e6, 5e3), 2000, 0.002)},
   };
@@ -149,7 +225,7 @@ measure::Stability stability() {
   stability.cases.push_back({"1e10 N/m, implicit_midpoint, steps of 0.01 s",
                              "energy error, relative", accurate(1e-9), [] {
                                const Method method{Scheme::implicit_midpoint};
-                               Motion motion(make_spring(1e10, method), method);
+                               Motion motion(make_mechanism(on_spring(1e10), method), method);
                                const double start = motion.measures().energy;
                                motion.advance(1000, 0.01);
                                return std::abs(motion.measures().energy / start - 1.0);
@@ -164,13 +240,18 @@ measure::Stability stability() {
 int study(int argc, char** argv) {
   Scene scene;
   // On the incline RK4 is exact, so `report` measures the spinning rail unless told otherwise.
-  if (argc > 1 && std::string_view(argv[1]) == "report") scene.spin = 5.0;
+  const auto fixes_the_rail = [](std::string_view argument) {
+    return argument.starts_with("--stiffness") || argument.starts_with("--damping");
+  };
+  if (argc > 1 && std::string_view(argv[1]) == "report" &&
+      std::none_of(argv + 2, argv + argc, fixes_the_rail))
+    scene.spin = 5.0;
 
   app::Chapter chapter;
   chapter.directory = "06_prismatic";
   chapter.title = "Prismatic joint";
 
-  const app::Range inclines{-90.0, 90.0}, spins{-1e6, 1e6};
+  const app::Range inclines{-90.0, 90.0}, spins{-1e6, 1e6}, places{-1e6, 1e6};
   chapter.parameters = {
       {"--incline", "deg", "of the fixed rail; positive: down to the right", &scene.incline,
        inclines},
@@ -179,10 +260,16 @@ int study(int argc, char** argv) {
        app::not_negative, app::acts},
       {"--spin", "rad/s", "of a free rail at the start, for example 5; 0: it is fixed", &scene.spin,
        spins},
+      {"--stiffness", "N/m", "of a spring that pulls the block along the fixed rail to (0, 0)",
+       &scene.stiffness, app::not_negative, app::acts},
+      {"--damping", "N·s/m", "of a damper between block and fixed rail", &scene.damping,
+       app::not_negative, app::acts},
+      {"--s0", "m", "start on the fixed rail, from (0, 0)", &scene.s0, places},
+      {"--v0", "m/s", "velocity along the fixed rail at the start", &scene.v0, places},
   };
   chapter.defaults = {.duration = 2.0, .step = 0.002};
   chapter.constraint_unit = "m or rad";
-  chapter.fastest = [&scene] { return std::abs(scene.spin); };
+  chapter.fastest = [&scene] { return std::max(std::abs(scene.spin), fastest(scene)); };
 
   chapter.start =
       measure::start_of([&scene](const Method& method) { return make_mechanism(scene, method); });
@@ -194,6 +281,8 @@ int study(int argc, char** argv) {
                     .duration = 1.0,
                     .coarsest = 0.1,
                     .rungs = 15};
+
+  chapter.also_report = report_stiff_forces;
 
   chapter.stability = prismatic::stability;
 

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <array>
+#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/numeric/odeint.hpp>
 #include <cmath>
 #include <numbers>
@@ -110,6 +112,214 @@ TEST_CASE("limits of the exact spin") {
   const auto late = prismatic::exact(scene, 1e4);
   CHECK(late.v.norm() == Approx(5.0 * std::sqrt(I)).epsilon(1e-6));
   CHECK(late.omega * (late.x.squaredNorm() + I - 0.09) == Approx(5.0 * I).epsilon(1e-12));
+}
+
+namespace {
+
+/// A scene on the fixed rail with spring and damper.
+Scene sprung(double k, double c, double s0 = 0.1, double v0 = 0.0, double incline = 30.0,
+             double mass = 1.0) {
+  return {.incline = incline, .mass = mass, .stiffness = k, .damping = c, .s0 = s0, .v0 = v0};
+}
+
+/// Way and velocity along the rail.
+std::array<double, 2> on_rail(const Scene& scene, double t) {
+  const auto exact = prismatic::exact(scene, t);
+  return {exact.x.dot(along(scene.angle())), exact.v.dot(along(scene.angle()))};
+}
+
+// The second derivation of the fixed rail: the state (s, ṡ, 1) obeys ẏ = A y, so y(t) = exp(A t)
+// y(0), by the power series over a span so short that A t is small, squared as often as needed. The
+// velocity counts in units that make A t small soonest.
+std::array<long double, 2> by_exponential(const Scene& scene, double t) {
+  using Matrix = Eigen::Matrix<long double, 3, 3>;
+  const long double k = scene.stiffness / static_cast<long double>(scene.mass),
+                    c = scene.damping / static_cast<long double>(scene.mass),
+                    unit = std::max({std::sqrt(k), c, 1.0L});
+  Matrix A;
+  A << 0, unit, 0, -k / unit, -c, scene.gravity * std::sin(scene.angle()) / unit, 0, 0, 0;
+  A *= t;
+  int halvings = 0;
+  for (; A.lpNorm<1>() > 0.1L; ++halvings) A *= 0.5L;
+  // Of exp(A) − 1, which squares to 2 x + x²: nothing is lost beside the 1.
+  Matrix x = Matrix::Zero(), term = Matrix::Identity();
+  for (int n = 1; n < 20; ++n) x += term = term * A / n;
+  for (int i = 0; i < halvings; ++i) x = 2 * x + x * x;
+  const Eigen::Vector<long double, 3> start(scene.s0, scene.v0 / unit, 1.0L);
+  const Eigen::Vector<long double, 3> end = start + x * start;
+  return {end[0], unit * end[1]};
+}
+
+}  // namespace
+
+TEST_CASE("the exact spring and damper are the exponential of their equation, in every regime") {
+  // Undamped, weak and strong damping, critical, and all of it stiff; no spring, nothing at all.
+  for (const auto& [k, c] : {std::pair{0.0, 0.0},
+                             {100.0, 0.0},
+                             {100.0, 1.0},
+                             {100.0, 20.0},
+                             {100.0, 20.0000001},
+                             {100.0, 19.9999999},
+                             {100.0, 300.0},
+                             {1e4, 1e5},
+                             {1e4, 1e-5},
+                             {1e10, 0.0},
+                             {1e10, 2e5},
+                             {1e10, 1e7},
+                             {1e-12, 0.0},
+                             {1e-6, 1e-3},
+                             {0.0, 1e-9},
+                             {0.0, 3.0},
+                             {0.0, 1e6},
+                             {1e-9, 1e6}})
+    for (const double mass : {1.0, 7.0})
+      for (const double t : {1e-7, 1e-3, 0.05, 0.7, 2.0}) {
+        const Scene scene = sprung(k, c, 0.1, -0.3, 30.0, mass);
+        const auto [s, v] = on_rail(scene, t);
+        const auto truth = by_exponential(scene, t);
+        INFO("k " << k << ", c " << c << ", mass " << mass << ", t " << t);
+        const double speed =
+            0.3 + 0.1 * std::min(std::sqrt(k / mass), c > 0.0 ? k / c : 1e300) + 9.81 * t;
+        CHECK(s == Approx(double(truth[0])).epsilon(0.0).margin(1e-14 * (1.0 + 5.0 * t * t)));
+        CHECK(v == Approx(double(truth[1])).epsilon(0.0).margin(1e-12 * speed));
+      }
+}
+
+TEST_CASE("limits of the exact spring and damper") {
+  const double g = 9.81 * 0.5, t = 1.3;
+  {  // without a damper it swings about where the spring carries the block
+    const double w = 10.0, rest = g / 100.0;
+    const auto [s, v] = on_rail(sprung(100.0, 0.0, 0.1, 0.4), t);
+    CHECK(s == Approx(rest + (0.1 - rest) * std::cos(w * t) + 0.4 / w * std::sin(w * t)));
+    CHECK(v == Approx(-w * (0.1 - rest) * std::sin(w * t) + 0.4 * std::cos(w * t)));
+  }
+  {  // without a spring it tends to the speed g/c
+    const auto [s, v] = on_rail(sprung(0.0, 4.0, 0.1, 0.4), t);
+    const double left = std::exp(-4.0 * t), end = g / 4.0;
+    CHECK(s == Approx(0.1 + end * t + (0.4 - end) * (1.0 - left) / 4.0));
+    CHECK(v == Approx(end + (0.4 - end) * left));
+  }
+  {  // critically damped
+    const auto [s, v] = on_rail(sprung(25.0, 10.0, 0.1, 0.4, 0.0), t);
+    CHECK(s == Approx((0.1 + (0.4 + 0.5) * t) * std::exp(-5.0 * t)));
+    CHECK(v == Approx((0.9 - 5.0 * (0.1 + 0.9 * t)) * std::exp(-5.0 * t)));
+  }
+  // Across the critical damping, and as spring and damper vanish, nothing jumps.
+  const auto close = [&](const Scene& a, const Scene& b, double most) {
+    CHECK(std::abs(on_rail(a, t)[0] - on_rail(b, t)[0]) < most);
+    CHECK(std::abs(on_rail(a, t)[1] - on_rail(b, t)[1]) < most);
+  };
+  for (const double off : {1e-3, 1e-6, 1e-9, 1e-12, 1e-15})
+    for (const double sign : {1.0, -1.0})
+      close(sprung(25.0, 10.0 * (1.0 + sign * off)), sprung(25.0, 10.0), off + 1e-16);
+  for (const double small : {1e-3, 1e-6, 1e-9, 1e-12}) {
+    close(sprung(small, 0.0), sprung(0.0, 0.0), 10.0 * small + 1e-15);
+    close(sprung(0.0, small), sprung(0.0, 0.0), 10.0 * small + 1e-15);
+    close(sprung(small, 5.0), sprung(0.0, 5.0), 10.0 * small + 1e-15);
+    close(sprung(90.0, small), sprung(90.0, 0.0), 10.0 * small + 1e-15);
+  }
+  // The slow motion alone: s(t) = s0 e^(−ρ t), to the digits of its start.
+  const Scene slow = sprung(1e4, 1e5, 0.1, -0.01000001, 0.0);
+  const double rho = 1e4 / (5e4 + std::sqrt(25e8 - 1e4));
+  CHECK(on_rail(slow, 2.0)[0] == Approx(0.1 * std::exp(-2.0 * rho)).epsilon(1e-14));
+}
+
+TEST_CASE("what the exact damper takes is what the exact energy loses") {
+  using Quadrature = boost::math::quadrature::gauss_kronrod<double, 61>;
+  for (const auto& [k, c] :
+       {std::pair{50.0, 0.0}, {50.0, 2.0}, {100.0, 20.0}, {30.0, 90.0}, {0.0, 5.0}})
+    for (const double t : {0.01, 0.8, 2.0}) {
+      const Scene scene = sprung(k, c, 0.2, 1.5);
+      const auto energy = [&, k = k](double at) {
+        const auto [s, v] = on_rail(scene, at);
+        return 0.5 * v * v + 0.5 * k * s * s - 9.81 * 0.5 * s;
+      };
+      const double taken = Quadrature::integrate(
+          [&, c = c](double at) { return c * on_rail(scene, at)[1] * on_rail(scene, at)[1]; }, 0.0,
+          t, 12, 1e-14);
+      CHECK(energy(0.0) - energy(t) == Approx(taken).epsilon(1e-12).margin(1e-13));
+    }
+}
+
+TEST_CASE("spring and damper in motion converge to the exact answer, and leave the rail alone") {
+  using enum integrators::Scheme;
+  for (const Scene& scene : {sprung(60.0, 0.0, 0.2, 1.0), sprung(60.0, 3.0, 0.2, 1.0, -50.0, 2.0),
+                             sprung(4.0, 9.0, -0.3)}) {
+    const measure::Start start = [&](const Method& method) {
+      return std::make_unique<Motion>(motion(scene, method));
+    };
+    const measure::Errors errors = [&](const mechanics::Row& row) {
+      auto all = prismatic::errors(scene, row);
+      CHECK(all[2] < 1e-11);  // the rail's force and moment are those of the free block
+      CHECK(all[3] < 1e-11);
+      return std::vector<double>{all[0], all[1]};
+    };
+    const auto theory_holds = [](const measure::Rung& rung, std::size_t k) {
+      return rung.errors[k] > 1e-12 && rung.step < 1.5e-3;
+    };
+    CHECK(check_orders({.methods = {{explicit_euler}, {implicit_midpoint}, {rk4}},
+                        .duration = 0.5,
+                        .coarsest = 1.0 / 64,
+                        .rungs = 9},
+                       start, errors, theory_holds) > 10);
+    Motion block = motion(scene, {dop853});
+    block.advance(32, 0.5 / 32);
+    for (const double error : errors(block.row())) CHECK(error < 1e-13);
+  }
+}
+
+TEST_CASE("a spring keeps the energy, with a damper it is not compared, and none is gained") {
+  Motion spring = motion(sprung(100.0, 0.0));
+  spring.advance(1000, 1e-3);
+  CHECK(spring.measures().balances());
+  CHECK(spring.measures().energy == Approx(0.5 - 9.81 * 0.05).epsilon(1e-9));
+  const auto verdict = [](const Scene& scene, const Method& method, long steps, double h) {
+    Motion block = motion(scene, method);
+    mechanics::Watch watch(block);
+    measure::run(block, {steps, h}, watch);
+    CHECK(std::isnan(watch.largest_energy_error()));
+    const auto errors = prismatic::errors(scene, block.row());
+    return measure::judge(watch, {{"position", "m"}, {"velocity", "m/s"}}, {errors[0], errors[1]});
+  };
+  using enum integrators::Scheme;
+  CHECK(verdict(sprung(100.0, 3.0), {}, 1000, 1e-3).right());
+  // Explicit Euler gains some in its first steps, which the damper takes again.
+  CHECK(verdict(sprung(0.0, 800.0, 0.0, 0.0, -0.5, 0.1), {explicit_euler}, 150, 1.7e-4).right());
+  const Scene slow = sprung(1e4, 1e5, 0.1, -0.01000001, 0.0);
+  CHECK(verdict(slow, {implicit_midpoint}, 8, 0.25).right());
+  CHECK(verdict(slow, {}, 8, 0.25).words() == "energy, position and velocity");
+  // Off the slow motion the midpoint rule turns the fast part round: the place is right, the
+  // velocity is not.
+  const Scene kicked = sprung(1e4, 1e5, 0.1, 1.0, 0.0);
+  CHECK(verdict(kicked, {implicit_midpoint}, 8, 0.25).words() == "velocity");
+  CHECK(verdict(kicked, {implicit_midpoint}, 4096, 2.0 / 4096).right());
+  // A block that stays where spring and weight balance.
+  const Scene still = sprung(1e3, 10.0, 9.81 * 0.5 / 1e3);
+  CHECK(verdict(still, {}, 1000, 1e-3).right());
+  CHECK(verdict(still, {implicit_midpoint}, 1000, 1e-3).right());
+  CHECK(verdict(sprung(1e3, 10.0, 0.0, 0.0, 0.0), {}, 1000, 1e-3).right());
+}
+
+TEST_CASE("the midpoint rule turns a fast part round by (1 - z/2)/(1 + z/2) in each step") {
+  const double h = 0.05, z = h * 1e5;
+  const Scene kicked{.incline = 0.0, .damping = 1e5, .v0 = 1.0};
+  Motion block = motion(kicked, {integrators::Scheme::implicit_midpoint});
+  double factor = 1.0;
+  for (int i = 0; i < 9; ++i) {
+    block.advance(1, h);
+    factor *= (1.0 - z / 2.0) / (1.0 + z / 2.0);
+    CHECK(block.v()[0] == Approx(factor).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("without spring, damper and start the block is the old one, on a spinning rail refused") {
+  Mechanism sliding = make_mechanism({});
+  CHECK(sliding.initial_velocity().norm() == 0.0);
+  CHECK_FALSE(sliding.work);
+  for (const Scene& scene :
+       {Scene{.spin = 5.0, .stiffness = 1.0}, Scene{.spin = 5.0, .damping = 1.0},
+        Scene{.spin = 5.0, .s0 = 0.1}, Scene{.spin = 5.0, .v0 = -1.0}})
+    CHECK_THROWS_AS(make_mechanism(scene), std::invalid_argument);
 }
 
 TEST_CASE("on the incline every method with the right velocity is exact, and RK4 is") {
@@ -248,10 +458,10 @@ TEST_CASE("solution 3: with a second rail the motion stays right, and its rows a
 }
 
 TEST_CASE("a step allocates nothing") {
-  for (const double spin : {0.0, 5.0})
+  for (const Scene& scene : {Scene{}, Scene{.spin = 5.0}, sprung(100.0, 2.0)})
     for (const auto stabilization :
          {Stabilization::none, Stabilization::feedback, Stabilization::projection}) {
-      Motion block = motion({.spin = spin}, {integrators::Scheme::rk4, stabilization, 100.0, 20.0});
+      Motion block = motion(scene, {integrators::Scheme::rk4, stabilization, 100.0, 20.0});
       block.advance(1, 1e-3);
       const long before = allocations();
       block.advance(100, 1e-3);
@@ -330,7 +540,8 @@ TEST_CASE("the pictures of the lesson are those that the program draws") {
 TEST_CASE("pictures can be drawn of every scene the options allow") {
   for (const Scene& scene :
        {Scene{.incline = 90.0}, Scene{.incline = -90.0}, Scene{.incline = 0.0}, Scene{.mass = 1e12},
-        Scene{.gravity = 0.0}, Scene{.spin = -1e-3}, Scene{.spin = 1e3}}) {
+        Scene{.gravity = 0.0}, Scene{.spin = -1e-3}, Scene{.spin = 1e3}, sprung(100.0, 2.0),
+        sprung(1e6, 1.0, -1e6, 1e6), Scene{.damping = 1e-12}}) {
     INFO(scene.incline << " " << scene.mass << " " << scene.spin);
     const measure::RunOptions run{.duration = 0.01, .step = 1e-4};
     for (const auto& picture : prismatic::pictures(scene, run))

@@ -315,8 +315,13 @@ class Live {
           sample.errors.begin(), sample.errors.end(),
           [&](const pictures::Stage::Errors& errors) { return errors.*error > 0.0; });
     };
-    if (remark.empty() && std::all_of(stage_->samples().begin(), stage_->samples().end(), none))
-      remark = "none so far";
+    const auto untold = [&](const pictures::Stage::Sample& sample) {
+      return std::isnan(sample.errors.front().*error);
+    };
+    const auto& samples = stage_->samples();
+    if (remark.empty() && std::all_of(samples.begin(), samples.end(), untold))
+      remark = "not compared, a load takes energy";
+    if (remark.empty() && std::all_of(samples.begin(), samples.end(), none)) remark = "none so far";
     if (!remark.empty()) label += ": " + remark;
     const double end = std::max(stage_->time(), run_.duration);
     draw::Plot plot{.x = {.label = "time [s]", .min = end - run_.duration, .max = end},

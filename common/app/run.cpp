@@ -149,7 +149,11 @@ void print_summary(const Chapter& chapter, const measure::RunOptions& run,
   fmt::print("\nlargest over the run\n");
   line("constraint error |C|", largest.constraint_error, chapter.constraint_unit);
   line("velocity error |J v|", largest.velocity_error, chapter.constraint_unit + "/s");
-  line("energy error", largest.energy_error, "J");
+  if (std::isnan(largest.energy_error))
+    fmt::print("  {:<28}not compared: a load takes energy that the state does not tell\n",
+               "energy error");
+  else
+    line("energy error", largest.energy_error, "J");
   if (!verdict.right()) fmt::print("\nfar from right: {}\n", verdict.text());
 }
 

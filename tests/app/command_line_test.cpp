@@ -156,7 +156,8 @@ TEST_CASE("without --step a run keeps its energy to 1 %, in a faster scene too")
         Run{"03_global_jacobian_solver", "--p 2", 9.81 * 100.0},  // bead1 falls x1²/2p
         Run{"05_revolute", "--links 20", 9.81 / 2.0},             // M g L/2
         Run{"05_revolute", "--length 0.01 --gravity 1000", 5.0},
-        Run{"06_prismatic", "--spin 1000", 0.5e6},          // of the rail, 1 kg·m²
+        Run{"06_prismatic", "--spin 1000", 0.5e6},  // of the rail, 1 kg·m²
+        Run{"06_prismatic", "--stiffness 1e8 --s0 0.1", 5e5},
         Run{"07_slider_crank", "--omega0 500", 0.02e6}}) {  // of the wheel, 0.16 kg·m²
     const std::string method = chapter[1] == '2' ? "" : " --stabilization projection";
     const std::string command = fmt::format("{} run {}{}", program(chapter), options, method);
@@ -166,6 +167,19 @@ TEST_CASE("without --step a run keeps its energy to 1 %, in a faster scene too")
     REQUIRE(holds(out, name));
     CHECK(std::stod(out.substr(out.find(name) + name.size())) < 0.01 * energy);
   }
+}
+
+TEST_CASE("with a damper the energy is not compared, and the velocity is") {
+  const std::string stiff = program("06_prismatic") +
+                            " run --incline 0 --stiffness 1e4 --damping 1e5 --s0 0.1 --step 0.25 "
+                            "--integrator implicit_midpoint --v0 ";
+  const Result slow = shell(stiff + "-0.01000001"), kicked = shell(stiff + "1 --strict");
+  CHECK(slow.status == 0);
+  CHECK(slow.err.empty());
+  CHECK(holds(slow.out, "energy error                not compared: a load takes energy"));
+  CHECK(holds(slow.out, "8.53e-07 m"));
+  CHECK(kicked.status == 1);
+  CHECK(holds(kicked.err, "the velocity is off by"));
 }
 
 TEST_CASE("the CSV has the contract's columns, all finite, and standard output holds it alone") {
@@ -315,6 +329,16 @@ TEST_CASE("unusable arguments: one line that names them, exit status 2") {
       check_refused(p + option + " " + bad, option);
   check_refused(p + "--gravity -1", "--gravity -1");
   check_refused(p + "--x0 1e13", "--x0 1e13");
+  const std::string block = program("06_prismatic");
+  for (const char* option : {"--stiffness", "--damping"})
+    for (const char* bad : {"-1", "nan", "inf", "1e13", "stiff"})
+      check_refused(block + " run " + option + " " + bad, std::string(option) + " " + bad);
+  for (const char* option : {"--s0", "--v0"})
+    for (const char* bad : {"nan", "1e7", "-1e7"})
+      check_refused(block + " run " + option + " " + bad, std::string(option) + " " + bad);
+  for (const char* option : {"--stiffness 100", "--damping 2.5", "--s0 0.1", "--v0 -1"})
+    for (const char* command : {" run", " report", " snapshot --at 0"})
+      check_refused(block + command + " --spin 5 " + option, option);
   check_refused(program("02_parametric_lagrangian") + " run --stabilization projection",
                 "--stabilization projection");
   check_refused(program("02_parametric_lagrangian") + " run --kd 1", "--kd 1");

@@ -53,12 +53,13 @@ double run_for_time(mechanics::Simulation& simulation, const Steps& intervals) {
 
 mechanics::Verdict judge(const mechanics::Watch& watch, const std::vector<Quantity>& quantities,
                          const std::vector<double>& errors) {
-  double position = 0.0, angle = 0.0;
+  double position = 0.0, angle = 0.0, velocity = 0.0;
   for (std::size_t k = 0; k < errors.size() && k < quantities.size(); ++k) {
     if (quantities[k].unit == "m") position = std::max(position, errors[k]);
     if (quantities[k].unit == "rad") angle = std::max(angle, errors[k]);
+    if (quantities[k].unit == "m/s") velocity = std::max(velocity, errors[k]);
   }
-  return watch.verdict(position, angle);
+  return watch.verdict(position, angle, velocity);
 }
 
 std::vector<Rung> climb(const Ladder& ladder, const Start& start, const Errors& errors,

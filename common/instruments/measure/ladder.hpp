@@ -33,7 +33,8 @@ struct Rung {
   std::vector<double> errors =
       {};  ///< of each quantity at the end of the run; empty when the run failed
   double constraint_error = 0.0;  ///< largest |C| over the run
-  double energy_error = 0.0;      ///< largest change of the energy balance over the run [J]
+  double energy_error = 0.0;      ///< largest change of the energy balance over the run [J]; not a
+                                  ///< number where there is none
   std::string far_off = {};       ///< what of it is far from right: Verdict::words()
   std::string failure = {};       ///< why the run stopped, in words; empty when it did not
 };

@@ -108,7 +108,8 @@ std::string table(const Report& report) {
       add(fmt::format("{}", rung.evaluations), files::digits(1e3 * rung.seconds, 4));
       for (std::size_t k = 0; k < rung.errors.size(); ++k)
         add(fmt::format("{:.2e}", rung.errors[k]), order_text(coarse, rung, k));
-      add(fmt::format("{:.2e}", rung.constraint_error), fmt::format("{:.2e}", rung.energy_error));
+      add(fmt::format("{:.2e}", rung.constraint_error),
+          std::isnan(rung.energy_error) ? "" : fmt::format("{:.2e}", rung.energy_error));
       if (!rung.far_off.empty()) add("  far off: " + rung.far_off);
     }
     coarse = &rung;
@@ -152,7 +153,9 @@ Report read_csv(const std::filesystem::path& path) {
                   .evaluations = row.number<long>("evaluations"),
                   .seconds = row.number("seconds"),
                   .constraint_error = row.number("constraint_error"),
-                  .energy_error = row.number("energy_error"),
+                  .energy_error = row["energy_error"].empty()
+                                      ? std::numeric_limits<double>::quiet_NaN()
+                                      : row.number("energy_error"),
                   .far_off = row["far_off"],  // came later
                   .failure = row["failure"]};
         if (rung.failure.empty())

@@ -24,7 +24,7 @@ struct Largest {
   void look(const mechanics::Measures& now) {
     constraint_error = std::max(constraint_error, now.constraint_error);
     velocity_error = std::max(velocity_error, now.velocity_error);
-    energy_error = std::max(energy_error, std::abs(now.balance() - start));
+    energy_error = std::max(std::abs(now.balance() - start), energy_error);  // NaN stays NaN
     kinetic = std::max(kinetic, now.kinetic);
   }
   /// The energy error as a part of the kinetic energy.
@@ -33,7 +33,7 @@ struct Largest {
   double start;                   ///< the balance [J]
   double constraint_error = 0.0;  ///< |C|, in its unit
   double velocity_error = 0.0;
-  double energy_error = 0.0;  ///< change of the balance [J]
+  double energy_error = 0.0;  ///< change of the balance [J]; not a number where there is none
   double kinetic;             ///< [J]
 };
 

@@ -51,7 +51,7 @@ Look look(const std::string& method) {
 
 }  // namespace
 
-Picture error_picture(const measure::Report& report) {
+Picture error_picture(const measure::Report& report, std::string name, std::string title) {
   const measure::Quantity& quantity = report.quantities.front();
   draw::Plot plot;
   plot.x = {.label = "processor time [ms]", .log = true};
@@ -76,7 +76,7 @@ Picture error_picture(const measure::Report& report) {
         curve.points.push_back({std::nan(""), std::nan("")});
         continue;
       }
-      points.push_back({1e3 * rung.seconds, rung.errors[0]});
+      if (rung.tolerance == 0.0) points.push_back({1e3 * rung.seconds, rung.errors[0]});
       curve.points.push_back({1e3 * rung.seconds, rung.errors[0]});
       slope.order = -rung.order;  // time grows as 1/h
       slope.label = fmt::format("order {}", rung.order);
@@ -107,11 +107,11 @@ Picture error_picture(const measure::Report& report) {
                        : fmt::format("An error of 10⁻⁶ {} costs least with {}: {} ms.",
                                      quantity.unit, cheapest, figure(1e3 * least));
   const std::string caption = price + " " + report.remark;
-  return {"error_vs_time", [=](draw::Pen& pen) {
+  return {std::move(name), [=](draw::Pen& pen) {
             draw::Plot themed = plot;
             for (std::size_t i = 0; i < colors.size(); ++i)
               themed.curves[i].color = pen.theme().series[colors[i]];
-            draw::draw_plot(pen, draw::page(pen, "Error against run time", caption), themed);
+            draw::draw_plot(pen, draw::page(pen, title, caption), themed);
           }};
 }
 

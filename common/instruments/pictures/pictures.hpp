@@ -28,7 +28,8 @@ std::string rounded(double value, int decimals = 2);
 
 /// Error of the first quantity against processor time, a curve a method, with lines of the
 /// theoretical orders through each method's own points.
-Picture error_picture(const measure::Report& report);
+Picture error_picture(const measure::Report& report, std::string name = "error_vs_time",
+                      std::string title = "Error against run time");
 
 /// How far one run strays, over time. The times are cut into windows and each point is the largest
 /// value in its window, so that the zeros that an error swings through do not tear a logarithmic

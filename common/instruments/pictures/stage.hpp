@@ -39,7 +39,7 @@ class Stage {
   struct Sample {
     double t;
     std::vector<draw::Point> marks;  ///< the points whose ways are the trails
-    std::vector<Errors> errors;      ///< of each simulation; NaN while a spring pulls
+    std::vector<Errors> errors;      ///< of each simulation; NaN where none is told
     double force;                    ///< the largest that is drawn [N]
   };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,11 @@
 #include "mechanics/motion/singular_poses.hpp"
 
 namespace mechanics {
+
+/// The work of a damper, for Mechanism::work: it takes energy, how much depends on the way to q.
+inline double dissipated(const Eigen::VectorXd&) {
+  return std::numeric_limits<double>::quiet_NaN();
+}
 
 /// A System as a model of the one loop: what chapters 3 to 7 run. A chapter adds its things, joints
 /// and forces to `system`, names the reactions that it reports, and calls `assemble`
@@ -25,7 +31,8 @@ class Mechanism {
 
   dynamics::System system;
 
-  /// Work [J] of the loads that have no potential, up to state q. Empty: none.
+  /// Work [J] of the loads that have no potential, up to state q. Empty: none. Not a number, as
+  /// `dissipated` says, where they only take energy and q does not tell how much.
   std::function<double(const Vector& q)> work;
 
   explicit Mechanism(const mechanics::Method& method) : ks_(method.ks), kd_(method.kd) {
@@ -103,6 +110,7 @@ class Mechanism {
             .velocity_error = e_.velocity_error(v),
             .work = work ? work(q) : 0.0,
             .kinetic = system.kinetic_energy(v),
+            .speed = fastest(v),
             .opening = e_.opening(),
             .load = system.load(F),
             .drive = system.drive(F)};
@@ -186,6 +194,13 @@ class Mechanism {
   }
 
  private:
+  double fastest(const Vector& v) const {
+    double most = 0.0;
+    for (const dynamics::ThingInfo& thing : system.things())
+      most = std::max(most, v.segment<2>(thing.column).norm());
+    return most;
+  }
+
   std::vector<std::pair<std::string, Reaction>> reactions_;
   std::vector<std::string> fixed_, notes_;
   SingularPoses poses_;

@@ -24,16 +24,21 @@ struct Measures {
   double energy;            ///< kinetic and potential [J]
   double constraint_error;  ///< largest |C|, in the unit of C
   double velocity_error;    ///< largest |J v|
-  double work = 0.0;        ///< done by loads that have no potential [J]
-  double kinetic;           ///< [J]
+  double work = 0.0;     ///< done by loads that have no potential [J]; not a number where they only
+                         ///< take energy and the state does not tell how much, as with a damper
+  double kinetic;        ///< [J]
+  double speed = 0.0;    ///< of the thing that moves fastest [m/s]
   double opening = 0.0;  ///< the way that brings the joint that is furthest open back together [m]
   double load = 0.0;     ///< the sizes of all applied forces added up [N]
   double drive;  ///< √(FᵀWF) of the applied forces: how fast √(2·kinetic) grows at most [N/√kg]
 
-  /// What stays constant in an exact motion [J].
+  /// What stays constant in an exact motion [J]; not a number where there is no such thing.
   double balance() const { return energy - work; }
+  bool balances() const { return !std::isnan(work); }
+  /// The balance, or where there is none the energy, which then only falls [J].
+  double kept() const { return balances() ? balance() : energy; }
   bool finite() const {
-    return std::isfinite(balance()) && std::isfinite(constraint_error) &&
+    return std::isfinite(kept()) && std::isfinite(constraint_error) &&
            std::isfinite(velocity_error);
   }
 };

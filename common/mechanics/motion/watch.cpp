@@ -66,11 +66,12 @@ Watch::Watch(Simulation& simulation)
       speed_(std::sqrt(2.0 * start_.kinetic)),
       distance_(0.0),
       t_(simulation.time()),
-      balance_(start_.balance()),
+      balance_(start_.kept()),
       largest_kinetic_(start_.kinetic),
       largest_energy_(0.0),
       largest_load_(start_.load),
-      largest_state_(simulation.state_size()) {
+      largest_state_(simulation.state_size()),
+      largest_speed_(start_.speed) {
   simulation_.cover(reach_);
   const double off = closed * std::max(reach_.size(), reach_.furthest());
   open_ = simulation_.method().stabilization != Stabilization::none && start_.opening > off;
@@ -120,7 +121,7 @@ void Watch::look(const Measures& now) {
     speed_ += speed_of_feedback();
     taken_away_ = !(open_ && feedback_is_stable());
     if (open_ && simulation_.method().stabilization == Stabilization::projection)
-      balance_ = now.balance();
+      balance_ = now.kept();
   }
   speed_ += (t - t_) * std::max(last_.drive, now.drive);
   t_ = t;
@@ -136,9 +137,15 @@ void Watch::look(const Measures& now) {
   if (taken_away_) opening_.take(t, now.opening - start_.opening);
   largest_kinetic_ = std::max(largest_kinetic_, now.kinetic);
   largest_load_ = std::max(largest_load_, now.load);
+  largest_speed_ = std::max(largest_speed_, now.speed);
   largest_state_ = std::max(largest_state_, simulation_.state_size());
-  largest_energy_ = std::max(largest_energy_, std::abs(now.energy) + std::abs(now.work));
+  largest_energy_ =
+      std::max(largest_energy_, std::abs(now.energy) + std::abs(now.balances() ? now.work : 0.0));
   energy_.take(t, std::abs(now.balance() - balance_));
+}
+
+double Watch::largest_energy_error() const {
+  return start_.balances() ? energy_.most() : std::numeric_limits<double>::quiet_NaN();
 }
 
 double Watch::energy_rounding() const {
@@ -147,15 +154,16 @@ double Watch::energy_rounding() const {
 
 Verdict::Fault Watch::fault(const char* what, const std::string& which, double value,
                             const char* unit, double part, double since) const {
-  const char* whole =
-      std::string_view(what) == "energy" ? "of the largest kinetic energy" : "of the scene's size";
+  const char* whole = std::string_view(what) == "energy"     ? "of the largest kinetic energy"
+                      : std::string_view(what) == "velocity" ? "of the largest speed"
+                                                             : "of the scene's size";
   std::string words = which + " " + said(value, unit);
   if (std::isfinite(part)) words += ", " + percent(part) + " " + whole;  // else nothing moved
   if (std::isfinite(since)) words += " (above 1 % since t = " + said(since, "s") + ")";
   return {what, words, std::isfinite(since) ? Trouble::wrong : Trouble::late};
 }
 
-Verdict Watch::verdict(double position_error, double angle_error) const {
+Verdict Watch::verdict(double position_error, double angle_error, double velocity_error) const {
   constexpr double at_the_end = std::numeric_limits<double>::infinity();
   Verdict verdict;
   const double size = reach_.size(),
@@ -163,16 +171,24 @@ Verdict Watch::verdict(double position_error, double angle_error) const {
   if (const double opening = opening_.most(); opening > far_off)
     verdict.faults.push_back(fault("joints", "joints are open by", opening, "m", opening / size,
                                    opening_.since(far_off)));
-  const double energy = energy_.most(),
+  const bool balances = start_.balances();
+  const double energy = balances ? energy_.most() : last_.kept() - balance_,
                allowed = std::max(far * largest_kinetic_, energy_rounding());
   const bool feedback = simulation_.method().stabilization == Stabilization::feedback;
   if (energy > allowed && !(open_ && feedback))
-    verdict.faults.push_back(fault("energy", "the energy balance is off by", energy, "J",
-                                   energy / largest_kinetic_, energy_.since(allowed)));
+    verdict.faults.push_back(fault(
+        "energy",
+        balances ? "the energy balance is off by"
+                 : "the energy, from which the loads only take, is above that of the start by",
+        energy, "J", energy / largest_kinetic_, balances ? energy_.since(allowed) : at_the_end));
   const double error = std::max(position_error, angle_error * reach_.largest_radius());
   if (error > far_off)
     verdict.faults.push_back(
         fault("position", "the position is off by", error, "m", error / size, at_the_end));
+  const double slow = rounding_of_a_run * size / t_;  // crosses the scene in 1e11 such runs
+  if (!balances && velocity_error > std::max(far * largest_speed_, slow))
+    verdict.faults.push_back(fault("velocity", "the velocity is off by", velocity_error, "m/s",
+                                   velocity_error / largest_speed_, at_the_end));
   if (simulation_.method().tolerance > 0.0)
     judge_tolerance(std::max(position_error, angle_error), verdict);
   return verdict;

@@ -29,7 +29,7 @@ class Growth {
 /// What of a run is far from right; nothing where nothing is.
 struct Verdict {
   struct Fault {
-    std::string what;   ///< "joints", "energy", "position", "tolerance": a word for tables
+    std::string what;   ///< "joints", "energy", "position", "velocity", "tolerance": for tables
     std::string words;  ///< by how much, in one clause
     Trouble trouble;    ///< what to try depends on it
   };
@@ -59,11 +59,14 @@ struct Verdict {
 ///     energy      how far the balance is off, of the largest kinetic energy of the run
 ///     position    the error against the exact answer, where there is one, of the scene's size
 ///
-/// The balance is energy less the work of the loads. Where the start is open and the method takes
-/// that away, it does work of its own: after projection the balance counts from there, and under
-/// feedback neither the balance nor, until it is taken away, the opening says anything. (What
-/// either does to the drift of the steps is an error like others.) What is lost in the rounding of
-/// the terms compared does not count.
+/// The balance is energy less the work of the loads. Where a load takes energy and the state does
+/// not tell how much, as with a damper, there is none; then the energy must not be above that
+/// of the start, whatever it was in between, which a damper makes forgotten, and the velocity must
+/// be that of the exact answer to 1 % of the largest speed of the run. Where the start is open and
+/// the method takes that away, it does work of its own: after projection the balance counts from
+/// there, and under feedback neither the balance nor, until it is taken away, the opening says
+/// anything. (What either does to the drift of the steps is an error like others.) What is lost in
+/// the rounding of the terms compared does not count.
 ///
 /// A tolerance that was not kept is told as well: with an energy balance off by 200 times that part
 /// of the kinetic energy (20, where the steps collapsed besides), or an error by 50 times that part
@@ -81,10 +84,13 @@ class Watch {
   /// To be called after every step or every few, with the measures then. Throws Diverged.
   void look(const Measures& now);
 
-  /// So far, or at the end, where the error of position is known: [m] and the same in angles [rad].
-  Verdict verdict(double position_error = 0.0, double angle_error = 0.0) const;
+  /// So far, or at the end, where the error of position is known, [m] and the same in angles [rad],
+  /// and that of velocity [m/s].
+  Verdict verdict(double position_error = 0.0, double angle_error = 0.0,
+                  double velocity_error = 0.0) const;
 
-  double largest_energy_error() const { return energy_.most(); }  ///< [J]
+  /// [J]; not a number where there is no balance.
+  double largest_energy_error() const;
 
  private:
   double speed_of_feedback() const;
@@ -102,7 +108,7 @@ class Watch {
   bool taken_away_ = true;   ///< what was open at the start, as far as it was
   double speed_, distance_;  ///< what is allowed; the distance to the constraints at the start
   double t_, balance_;
-  double largest_kinetic_, largest_energy_, largest_load_, largest_state_;
+  double largest_kinetic_, largest_energy_, largest_load_, largest_state_, largest_speed_;
   Reach reach_;
   Growth opening_, energy_;
   std::shared_ptr<const std::function<void()>> look_inside_;  ///< of a tolerance's intervals
