@@ -59,8 +59,8 @@ mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method&
       mechanism.report_fixed("frame");
       mechanism.report("frame_ground", [=, weight = scene.frame_mass * scene.gravity](
                                            const dynamics::Evaluation& e, const VectorXd& q) {
-        const Eigen::Vector3d pin = e.reaction(wheel_frame, wheel);
-        const Eigen::Vector3d rail = e.reaction(slider_frame, slider);
+        const Eigen::Vector3d pin = e.determined_reaction(wheel_frame, wheel);
+        const Eigen::Vector3d rail = e.determined_reaction(slider_frame, slider);
         const Vector2d x = q.segment<2>(slider.column);
         return Eigen::Vector3d(pin.x() + rail.x(), pin.y() + rail.y() - weight,
                                rail.z() + x.x() * rail.y() - x.y() * rail.x());

@@ -61,12 +61,17 @@ class Trajectory {
   files::Table::Row cells_;
 };
 
+/// A reaction may be no number, where it is not determined.
 bool is_finite(const mechanics::Row& row) {
-  const auto all = [](const std::vector<double>& values) {
-    return std::all_of(values.begin(), values.end(),
-                       [](double value) { return std::isfinite(value); });
-  };
-  return all(row.state) && all(row.reactions);
+  return std::all_of(row.state.begin(), row.state.end(),
+                     [](double value) { return std::isfinite(value); }) &&
+         std::none_of(row.reactions.begin(), row.reactions.end(),
+                      [](double value) { return std::isinf(value); });
+}
+
+bool is_determined(const mechanics::Row& row) {
+  return std::none_of(row.reactions.begin(), row.reactions.end(),
+                      [](double value) { return std::isnan(value); });
 }
 
 /// Processor time of a step [s]: the first of them once more, without anything between, since a
@@ -116,7 +121,10 @@ void print_summary(const Chapter& chapter, const measure::RunOptions& run,
                    mechanics::Simulation& simulation, const Finished& finished) {
   const auto& [last, errors, largest, verdict] = finished;
   const auto line = [](const std::string& name, double value, const std::string& unit) {
-    fmt::print("  {:<28}{:>12.3g} {}\n", name, value, unit);
+    if (std::isnan(value))
+      fmt::print("  {:<28}not determined: rows depend on others here\n", name);
+    else
+      fmt::print("  {:<28}{:>12.3g} {}\n", name, value, unit);
   };
   fmt::print("{}: {}\n", chapter.title, run.method.label());
   const std::string steps = run.method.tolerance > 0.0
@@ -192,7 +200,7 @@ Finished run_to_the_end(const Chapter& chapter, const Request& request,
     finished.errors = chapter.errors(last);
   }
   for (const double error : finished.errors)
-    if (!std::isfinite(error))
+    if (std::isinf(error) || (std::isnan(error) && is_determined(last)))
       throw mechanics::Diverged(mechanics::at(last.t) + "the error is no longer finite");
   finished.largest.energy_error = watch.largest_energy_error();  // counts from a closed start
   finished.verdict = measure::judge(watch, chapter.quantities, finished.errors);

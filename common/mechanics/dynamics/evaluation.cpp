@@ -154,12 +154,16 @@ VectorXd Evaluation::lambda(JointHandle joint) const {
 
 Vector3d Evaluation::reaction(JointHandle joint, int column) const {
   check("reaction", joint);
+  return reaction_of(lambda_, joint.index, column);
+}
+
+Vector3d Evaluation::reaction_of(const VectorXd& rows, int joint, int column) const {
   Vector3d reaction = Vector3d::Zero();
   for (const Layout::JBlock& b : layout_.J_blocks)
-    if (b.joint == joint.index && b.column == column)
+    if (b.joint == joint && b.column == column)
       reaction.head(b.dof) =
           Eigen::Map<const Eigen::MatrixXd>(J_.data() + b.J, b.r, b.dof).transpose() *
-          lambda_.segment(b.row, b.r);
+          rows.segment(b.row, b.r);
   return reaction;
 }
 

@@ -94,6 +94,14 @@ class Evaluation {
     return reaction(joint, thing.column);
   }
 
+  /// The same with NaN for the parts that are not determined: of redundant joints only what they
+  /// carry together is.
+  template <class Thing>
+  Vector3d determined_reaction(JointHandle joint, Handle<Thing> thing) const {
+    const Vector3d all = reaction(joint, thing);
+    return all + undetermined(joint, thing.column);
+  }
+
   /// The largest |C| of all rows, each in its own unit; the largest |J v| there.
   double constraint_error() const;
   double velocity_error(const VectorXd& v) const;
@@ -105,9 +113,10 @@ class Evaluation {
   /// The whole J. To look at; it allocates.
   Eigen::MatrixXd jacobian() const;
 
-  /// Whether rows are so nearly dependent that this was answered on the constraints. An integrator
-  /// should then ask there in all stages of its step.
+  /// Whether rows are so nearly dependent that this was answered on the constraints: an integrator
+  /// should then ask there in all stages of its step. Whether it is the limit along the motion.
   bool nearly_dependent() const { return checked().nearly_dependent_; }
+  bool is_limit() const { return checked().limit_; }
 
   Counts counts() const;
   /// The rows that depend on others, and so have no load.
@@ -136,11 +145,16 @@ class Evaluation {
   struct Geometry {
     VectorXd J_x, J_theta;
     double size;
+
+    double part(const VectorXd& x, Eigen::Index k) const;
+    double largest_part(const VectorXd& x) const;
   };
 
   const Evaluation& checked() const;
   void check(const char* who, JointHandle handle) const;
   Vector3d reaction(JointHandle joint, int column) const;
+  Vector3d undetermined(JointHandle joint, int column) const;
+  Vector3d reaction_of(const VectorXd& rows, int joint, int column) const;
   RowState row_state(Eigen::Index row) const;
 
   void analyse(const System& system);
@@ -171,7 +185,6 @@ class Evaluation {
   double relative_error() const;
   double tolerance() const;
   Geometry geometry() const;
-  double relative_opening(const Geometry& geometry, Eigen::Index row) const;
   [[noreturn]] void refuse(Eigen::Index open_row) const;
   void check_closed() const;
 
@@ -183,6 +196,7 @@ class Evaluation {
   std::vector<WeakRow> weak_;  // those that are kept, then those that are left out
   std::size_t kept_ = 0;
   Geometry geometry_;                              // of the last state with weak rows
+  double rounding_ = 0;                            // of C there, as a part of the scene
   double largest_W_theta_ = 0;                     // infinite where there are particles
   bool nearly_dependent_ = false, limit_ = false;  // where a and lambda are the limits along v
   bool factored_ = false;                          // K_ is that of some state

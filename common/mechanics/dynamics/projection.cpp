@@ -193,7 +193,7 @@ void Evaluation::check_closed() const {
   }
   const Geometry scene = geometry();
   for (Eigen::Index k = 0; scene.size > 0 && k < C_.size(); ++k)
-    if (relative_opening(scene, k) > widest) refuse(k);
+    if (scene.part(C_, k) > widest) refuse(k);
 }
 
 // Throws the AssemblyError of a row that stays open. Around a loop of rows that compare angles the

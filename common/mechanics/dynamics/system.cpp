@@ -219,10 +219,10 @@ void System::set_up(double t, const VectorXd& q, const VectorXd& v, Evaluation& 
 void System::evaluate(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
   set_up(t, q, v, e);
   if (e.nearly_dependent_rows() > 0) return evaluate_on_constraints(t, q, v, e);
-  solve(q, v, e);
+  solve_for_a(q, v, e);
 }
 
-void System::solve(const VectorXd& q, const VectorXd& v, Evaluation& e) const {
+void System::solve_for_a(const VectorXd& q, const VectorXd& v, Evaluation& e) const {
   e.lambda_ = e.b_;
   if (ks_ != 0) e.lambda_ -= ks_ * e.C_;
   if (kd_ != 0) e.add_J(-kd_, v, e.lambda_);

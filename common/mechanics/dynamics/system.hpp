@@ -304,7 +304,7 @@ class System {
   void find_equation(Evaluation& e) const;
   void find_constraint(const VectorXd& q, const VectorXd& v, Evaluation& e) const;
   void set_up(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const;
-  void solve(const VectorXd& q, const VectorXd& v, Evaluation& e) const;
+  void solve_for_a(const VectorXd& q, const VectorXd& v, Evaluation& e) const;
   bool find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const;
   void factor_here(Evaluation& e, double damping = 0) const;
   bool project_velocities(VectorXd& v, Evaluation& e) const;

@@ -54,9 +54,17 @@ Evaluation::Geometry Evaluation::geometry() const {
   return scene;
 }
 
-// |C| of a row as a part of the scene's size, and of an angle in rad.
-double Evaluation::relative_opening(const Geometry& scene, Eigen::Index row) const {
-  return std::abs(C_[row]) / std::max(scene.size * scene.J_x[row], scene.J_theta[row]);
+// What of row k of x, which is C or its rounding, is of the scene's size, or an angle in rad.
+double Evaluation::Geometry::part(const VectorXd& x, Eigen::Index k) const {
+  return std::abs(x[k]) / std::max(size * J_x[k], J_theta[k]);
+}
+
+// The largest part, where a row has a gradient.
+double Evaluation::Geometry::largest_part(const VectorXd& x) const {
+  double largest = 0;
+  for (Eigen::Index k = 0; k < x.size(); ++k)
+    if (J_x[k] > 0 || J_theta[k] > 0) largest = std::max(largest, part(x, k));
+  return largest;
 }
 
 // Takes from y and g what the strong rows hold.
@@ -107,9 +115,9 @@ void Evaluation::find_weak_rows() {
   nearly_dependent_ = limit_ = false;
   if (K_.sound() || (K_.complete() && closed())) return;
   geometry_ = geometry();
-  double d = 1e-11;
-  for (Eigen::Index row = 0; row < C_.size(); ++row)
-    d = std::max(d, relative_opening(geometry_, row));
+  // A velocity along such a combination is known to rounding over s^2.
+  rounding_ = epsilon * std::max(1., geometry_.largest_part(size_));
+  const double d = std::max(1e5 * rounding_, geometry_.largest_part(C_));
   // Which of redundant rows are left out must not be left to their order: a row of small pivot is
   // no better than the one that comes after it.
   K_.factor(0, K_.complete()
@@ -157,6 +165,25 @@ bool Evaluation::closed() const {
   for (Eigen::Index row = 0; row < C_.size(); ++row)
     square = std::max(square, C_[row] * C_[row] / K_.diagonal()[row]);
   return 6 * square * largest_W_theta_ < d * d;
+}
+
+// NaN for each part of a reaction in which a combination of rows that is left out has a share: any
+// multiple of that could be added to lambda.
+Vector3d Evaluation::undetermined(JointHandle joint, int column) const {
+  Vector3d unknown = Vector3d::Zero();
+  if (limit_) return unknown;
+  constexpr double share = 1e-6, nan = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = kept_; i < weak_.size(); ++i) {
+    double force = 0;  // the largest of the combination's, in all joints
+    for (const Layout::JBlock& block : layout_.J_blocks) {
+      const Vector3d part = reaction_of(weak_[i].y, block.joint, block.column);
+      force = std::max({force, part.head<2>().norm(), std::abs(part.z()) / geometry_.size});
+    }
+    const Vector3d part = reaction_of(weak_[i].y, joint.index, column);
+    for (int k = 0; k < 3; ++k)
+      if (std::abs(part[k]) > share * force * (k < 2 ? 1 : geometry_.size)) unknown[k] = nan;
+  }
+  return unknown;
 }
 
 double Evaluation::independence(Eigen::Index row) const {
@@ -217,7 +244,8 @@ bool System::find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluati
     speed = std::max(speed, v.segment<2>(thing.column).norm() / e.geometry_.size);
     if (thing.dof == 3) speed = std::max(speed, std::abs(v[thing.column + 2]));
   }
-  const double step = 0.01 / speed;
+  // The error of the sixth order is s^6 of their size, that of rounding 1 / s^3 of it.
+  const double step = std::pow(e.rounding_, 1. / 9) / speed;
   if (!std::isfinite(step)) return false;
 
   const int dependent = e.nearly_dependent_rows();

@@ -39,11 +39,13 @@ class Mechanism {
     system.set_feedback(method.ks, method.kd);
   }
 
-  /// Reports the force [N] and moment [N·m] of a joint on one of its things under a name.
+  /// Reports the force [N] and moment [N·m] of a joint on one of its things under a name, NaN
+  /// where they are not determined.
   template <class Thing>
   void report(const std::string& name, dynamics::JointHandle joint, dynamics::Handle<Thing> thing) {
-    report(name,
-           [=](const dynamics::Evaluation& e, const Vector&) { return e.reaction(joint, thing); });
+    report(name, [=](const dynamics::Evaluation& e, const Vector&) {
+      return e.determined_reaction(joint, thing);
+    });
   }
   /// The same for a reaction that is no joint's of the system, computed from those that are.
   void report(const std::string& name, Reaction reaction) {

@@ -48,7 +48,7 @@ struct Row {
   double t;                   ///< [s]
   std::vector<double> state;  ///< positions and velocities, SI
   Measures measures;
-  std::vector<double> reactions;  ///< forces [N] and moments [N·m]
+  std::vector<double> reactions;  ///< forces [N] and moments [N·m]; NaN: not determined
 };
 
 /// What the values of a Row are called, in the same order.

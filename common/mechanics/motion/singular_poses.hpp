@@ -19,7 +19,10 @@ class SingularPoses {
   /// To be called with the evaluation at t, step by step.
   void look(double t, const dynamics::Evaluation& e) {
     if (e.C().size() == 0) return;
-    if (looks_ == 0) always_ = e.dependent_rows();
+    if (looks_ == 0) {
+      always_ = e.dependent_rows();
+      moves_through_ = e.is_limit();
+    }
     const dynamics::RowState weakest = e.weakest_row();
     last_ = {last_[1], last_[2], {t, weakest.pivot, weakest.row}};
     if (++looks_ >= 3) find();
@@ -29,7 +32,11 @@ class SingularPoses {
   std::vector<std::string> notes() const {
     std::vector<std::string> notes;
     if (!always_.empty()) {
-      notes.push_back("rows that depend on others at the start, and take no load there:");
+      notes.push_back(moves_through_
+                          ? "rows that depend on others at the start, where forces are the limits "
+                            "along the motion:"
+                          : "rows that depend on others at the start, so that who carries which "
+                            "load is not determined:");
       for (const auto& [joint, row] : always_)
         notes.back() += " " + joint + " row " + std::to_string(row);
     }
@@ -67,6 +74,7 @@ class SingularPoses {
   }
 
   std::vector<dynamics::JointRow> always_;
+  bool moves_through_ = false;
   std::array<Look, 3> last_;
   long looks_ = 0;
   std::vector<Look> poses_;
