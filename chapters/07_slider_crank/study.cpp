@@ -75,6 +75,10 @@ measure::Stability stability() {
   folding.rod = folding.crank;
   Scene close = free;
   close.rod = 0.31;
+  const Scene loaded{.crank = 0.3, .rod = 0.3, .omega0 = 5.0};
+  Scene in_the_pose = loaded;
+  in_the_pose.theta0 = std::numbers::pi / 2.0;
+  const Method dop853{integrators::Scheme::dop853, Stabilization::projection};
 
   Stability stability;
   // [cases]
@@ -108,6 +112,10 @@ measure::Stability stability() {
          }
          return worst;
        }},
+      {"rod = crank, loaded: dop853, steps of 0.25 ms", "wheel angle, rad", accurate(1e-10),
+       angle(loaded, dop853, 12000, 2.5e-4)},
+      {"rod = crank: set off in the pose, steps of 4 ms", "wheel angle, rad", accurate(1e-10),
+       angle(in_the_pose, dop853, 125, 4e-3)},
       {"rod shorter than the crank", "", refused("rod 0.2"),
        energy_error(of({.rod = 0.2}), projected, 1, 1e-3)},
       {"crank at 1e4 rad/s, steps of 1e-6 s", "wheel angle, rad", accurate(1e-6),

@@ -345,6 +345,42 @@ TEST_CASE(
   CHECK(mechanism.evaluation().dependent_rows().size() == 1);
 }
 
+TEST_CASE("rod = crank, loaded: the error falls with the step and stays down") {
+  const Scene passing{.crank = 0.3, .rod = 0.3, .omega0 = 5.0};
+  // Set off exactly in the pose, or close beside it.
+  const Scene in_it{
+      .crank = 0.3, .rod = 0.3, .theta0 = std::numbers::pi / 2, .omega0 = 3.88714421007120726};
+  Scene beside = in_it;
+  beside.theta0 -= 1e-3;
+  const auto error = [](const Scene& scene, const Method& method, double duration, double step) {
+    Motion crank = motion(scene, method);
+    crank.advance(std::lround(duration / step), step);
+    return slider_crank::errors(scene, crank.columns(), crank.row())[0];
+  };
+  const Method dop853{integrators::Scheme::dop853, Stabilization::projection};
+  for (const double step : {2e-3, 1e-3, 5e-4, 2.5e-4}) {
+    CHECK(error(passing, dop853, 3.0, step) < 1e-10);
+    CHECK(error(in_it, dop853, 0.5, step) < 1e-11);
+    CHECK(error(beside, dop853, 0.5, step) < 1e-11);
+  }
+  const Method rk4{integrators::Scheme::rk4, Stabilization::projection};
+  for (const double step : {4e-3, 2e-3, 1e-3})
+    CHECK(error(passing, rk4, 3.0, step) / error(passing, rk4, 3.0, step / 2) > 12.0);
+}
+
+TEST_CASE("rod = crank, in the pose: forces are the limits along the motion, or not determined") {
+  const Scene moving{
+      .crank = 0.3, .rod = 0.3, .theta0 = std::numbers::pi / 2, .omega0 = 3.88714421007120726};
+  Motion crank = motion(moving);
+  const mechanics::Row row = crank.row();
+  CHECK(slider_crank::errors(moving, crank.columns(), row)[2] < 1e-7);
+  CHECK(value(crank, "slider_rod.fy") == Approx(4.38).margin(0.005));
+
+  Motion still = motion({.crank = 0.3, .rod = 0.3, .theta0 = std::numbers::pi / 2});
+  CHECK(std::isnan(value(still, "slider_rod.fy")));
+  CHECK(std::isfinite(value(still, "slider.vx")));
+}
+
 TEST_CASE("without J̇v the joints give way by exactly C̈ = J̇v") {
   // Linear independence of the two accelerations: J (a_with − a_without) = −J̇v, so J a_without = 0.
   slider_crank::WithoutJdotV off(make_mechanism({.omega0 = 8.0}, {}));
