@@ -215,11 +215,8 @@ void System::evaluate_on_constraints(double t, const VectorXd& q, const VectorXd
   project(t, q_on, v_on, e);
   set_up(t, q_on, v_on, e);
   const int dependent = e.nearly_dependent_rows();
-  const bool limit = dependent > 0 && find_limit(t, q_on, v_on, e);
-  if (!limit) {
-    e.lambda_ = e.b_;
-    e.solve(e.lambda_, e.F_);
-  }
+  e.lambda_ = e.b_;
+  if (dependent == 0 || !find_limit(t, q_on, v_on, e)) e.solve(e.lambda_, e.F_);
   if (!feedback.isZero(0)) {
     VectorXd lambda = feedback;
     e.solve(lambda, e.F_);
@@ -228,16 +225,15 @@ void System::evaluate_on_constraints(double t, const VectorXd& q, const VectorXd
   e.C_ = C;
   e.a_ = layout_.W.cwiseProduct(e.F_) + 0 * q + 0 * v;
   e.nearly_dependent_ = dependent > 0;
-  e.limit_ = limit;
   e.solved_ = true;
 }
 
 // A pose at which rows become dependent for a moment, as those of a slider-crank in a dead centre:
-// on the way through it a and lambda are smooth, but in it equation 1 does not say what they are,
-// and close to it, not to many digits. They are interpolated between states before and behind it,
-// q + s v and v brought onto the constraints, to the sixth order of s. Leaves e as set up here,
-// with F + J^T lambda and lambda. Returns false where nothing moves, and where rows are as
-// dependent on the way as here.
+// on the way through it a is smooth, but in it equation 1 does not say what it is, and close to it,
+// not to many digits. It is interpolated between states before and behind it, q + s v and v brought
+// onto the constraints, to the sixth order of s. So is lambda, unless a load would have to be held
+// by forces that grow as 1 / s. Returns false where nothing moves, and where rows are as dependent
+// on the way as here; else e has F + J^T lambda and lambda.
 bool System::find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
   double speed = 0;  // of the scene's size, or an angle
   for (const ThingInfo& thing : layout_.things) {
@@ -251,7 +247,8 @@ bool System::find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluati
   const int dependent = e.nearly_dependent_rows();
   set_up(t, q + step * v, v, e);
   bool passes = e.nearly_dependent_rows() < dependent;
-  VectorXd a = VectorXd::Zero(q.size()), lambda = VectorXd::Zero(layout_.rows);
+  VectorXd a = VectorXd::Zero(q.size()), lambda = VectorXd::Zero(layout_.rows), near = lambda,
+           far = lambda;
   for (const auto& [s, weight] :
        {std::pair(-3, 0.05), {-2, -0.3}, {-1, 0.75}, {1, 0.75}, {2, -0.3}, {3, 0.05}}) {
     if (!passes) break;
@@ -263,13 +260,23 @@ bool System::find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluati
     passes = closed && e.nearly_dependent_rows() < dependent;
     a += weight * layout_.W.cwiseProduct(e.F_);
     lambda += weight * e.lambda_;
+    if (std::abs(s) == 1) near += s * e.lambda_;
+    if (std::abs(s) == 3) far += s / 3 * e.lambda_;
   }
   set_up(t, q, v, e);
-  if (passes) {
-    e.F_ = layout_.M.cwiseProduct(a);
+  e.lambda_ = e.b_;
+  if (!passes) return false;
+  // What lambda changes by from side to side, in units that rows of all kinds share.
+  const auto size = [&](const VectorXd& x) {
+    return x.cwiseProduct(e.K_.diagonal().cwiseSqrt()).norm();
+  };
+  e.limit_ = !(size(near) > size(far) && size(near) > 1e-6 * size(lambda));
+  if (e.limit_)
     e.lambda_ = lambda;
-  }
-  return passes;
+  else
+    e.solve(e.lambda_, e.F_);
+  e.F_ = layout_.M.cwiseProduct(a);
+  return true;
 }
 
 }  // namespace dynamics

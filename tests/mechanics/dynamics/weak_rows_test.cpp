@@ -196,8 +196,8 @@ Crank equal_crank(System& system, double theta, double omega, const Frame& frame
   system.add("wheel_frame", Revolute{{0, 0}, frame({0, 0})}, crank.wheel, System::world);
   system.add("rod_wheel", Revolute{{-l / 2, 0}, {l, 0}}, crank.rod, crank.wheel);
   system.add("slider_rod", Revolute{{0, 0}, {l / 2, 0}}, crank.slider, crank.rod);
-  system.add("slider_frame", Prismatic{frame({0, 0}), {0, 0}, frame.turned({0, 1}), frame.angle}, System::world,
-             crank.slider);
+  system.add("slider_frame", Prismatic{frame({0, 0}), {0, 0}, frame.turned({0, 1}), frame.angle},
+             System::world, crank.slider);
   return crank;
 }
 // Its one equation, M(theta) theta'' + M'/2 theta'^2 = Q, from the energies of its three bodies.
@@ -231,7 +231,6 @@ TEST_CASE("at a singular pose that is passed, accelerations and forces are the l
         const Vector3d push = e.determined_reaction(scene.joint(2), crank.slider);
         const Vector2d along = frame.turned({1, 0});
         CHECK(std::abs(along.dot(push.head<2>()) - 1.5 * x) < 10 * known * size);
-        CHECK(push.allFinite());
       }
 }
 
