@@ -180,15 +180,13 @@ int BlockLdlt::find_below(int i, int j) const {
 
 namespace {
 
-/// The least pivot of a node, as far as it matters.
-enum class Pivot { none, small, sound };
-
 /// Turns A, of which the lower triangle is given, into L of A = L D L^T. A row whose pivot is not
 /// above `smallest` of K_kk is set aside: its 1 / D is 0, and so is its column of L. Inlined by
 /// force: all else waits for these numbers, and a call would pass them through memory.
 template <int r>
-[[gnu::always_inline]] inline Pivot factor_node(double (&A)[r][r], const double (&K)[r],
-                                                double smallest, double (&inverse_D)[r]) {
+[[gnu::always_inline]] inline BlockLdlt::Pivot factor_node(double (&A)[r][r], const double (&K)[r],
+                                                           double smallest,
+                                                           double (&inverse_D)[r]) {
   constexpr double small = BlockLdlt::small_pivot;
   if constexpr (r == 2) {  // most joints, and most of the time: two divisions at once
     const double a = A[0][0], b = A[1][0], det = a * A[1][1] - b * b;
@@ -196,13 +194,14 @@ template <int r>
       inverse_D[0] = 1 / a;
       inverse_D[1] = a / det;
       A[1][0] = b * inverse_D[0];
-      return Pivot::sound;
+      return BlockLdlt::Pivot::sound;
     }
   }
-  Pivot least = Pivot::sound;
+  BlockLdlt::Pivot least = BlockLdlt::Pivot::sound;
   for (int k = 0; k < r; ++k) {
     const bool holds = A[k][k] > smallest * K[k];
-    if (!(A[k][k] > small * K[k])) least = holds ? std::min(least, Pivot::small) : Pivot::none;
+    if (!(A[k][k] > small * K[k]))
+      least = holds ? std::min(least, BlockLdlt::Pivot::small) : BlockLdlt::Pivot::none;
     inverse_D[k] = holds ? 1 / A[k][k] : 0;
     for (int i = k + 1; i < r; ++i) {
       const double L_ik = A[i][k] * inverse_D[k];
@@ -229,7 +228,7 @@ void BlockLdlt::factor_blocks(double damping, double smallest) {
   double* const K = L_.data();  // a copy of K, which turns into L block by block
   const Below* const below = below_.data();
   const int* update = updates_.data();
-  Pivot least = Pivot::sound;
+  BlockLdlt::Pivot least = BlockLdlt::Pivot::sound;
   for (const Node& node : nodes_)
     fixed<all>(node.size, [&](auto size) {
       constexpr int r = size;
@@ -264,8 +263,8 @@ void BlockLdlt::factor_blocks(double damping, double smallest) {
           Block<s, s>(K + *update++) -= X.lazyProduct(L_ji.transpose());
         });
     });
-  sound_ = least == Pivot::sound;
-  complete_ = least != Pivot::none;
+  sound_ = least == BlockLdlt::Pivot::sound;
+  complete_ = least != BlockLdlt::Pivot::none;
 }
 
 template <int all>

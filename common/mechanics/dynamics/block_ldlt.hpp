@@ -76,6 +76,8 @@ class BlockLdlt {
   /// has lost all but a thousandth to those before it, and six of a double's digits. A small one is
   /// worth a look.
   static constexpr double smallest_pivot = 1e-6, small_pivot = 1e-2;
+  /// What the least is, as far as it matters.
+  enum class Pivot { none, small, sound };
 
   /// Factors K, its diagonal raised to (1 + damping) times itself. A row whose pivot is not above
   /// the smallest that is allowed, say NaN, depends on those eliminated before it, nearly or

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 
 namespace dynamics {
+
+inline constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 /// The largest |x_k|: NaN where one is, 0 where there are none.
 inline double largest(const Eigen::VectorXd& x) {

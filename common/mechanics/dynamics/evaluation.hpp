@@ -94,8 +94,8 @@ class Evaluation {
     return reaction(joint, thing.column);
   }
 
-  /// The same with NaN for the parts that are not determined: of redundant joints only what they
-  /// carry together is.
+  /// The same with NaN for the parts that are not determined: those of rows that depend on others,
+  /// and in a singular pose of all that could take their place.
   template <class Thing>
   Vector3d determined_reaction(JointHandle joint, Handle<Thing> thing) const {
     const Vector3d all = reaction(joint, thing);
@@ -171,6 +171,7 @@ class Evaluation {
   void find_weak_rows();
   bool closed() const;
   int nearly_dependent_rows() const;
+  bool wholly_dependent() const;
   int left_out() const { return static_cast<int>(weak_.size() - kept_); }
   void clear_of_strong(WeakRow& weak);
   void clear_of(const WeakRow& kept, WeakRow& weak) const;
@@ -195,13 +196,14 @@ class Evaluation {
   BlockLdlt K_;
   std::vector<WeakRow> weak_;  // those that are kept, then those that are left out
   std::size_t kept_ = 0;
-  Geometry geometry_;                              // of the last state with weak rows
-  double rounding_ = 0;                            // of C there, as a part of the scene
-  double largest_W_theta_ = 0;                     // infinite where there are particles
-  bool nearly_dependent_ = false, limit_ = false;  // where a and lambda are the limits along v
-  bool factored_ = false;                          // K_ is that of some state
-  bool solved_ = false;                            // all is that of one state
-  int dof_ = 0;                                    // of all things; 0 where they differ
+  Geometry geometry_;           // of the last state with weak rows
+  double rounding_ = 0;         // of C there, as a part of the scene
+  double largest_W_theta_ = 0;  // infinite where there are particles
+  bool nearly_dependent_ = false, singular_ = false,
+       limit_ = false;     // where a and lambda are the limits along v
+  bool factored_ = false;  // K_ is that of some state
+  bool solved_ = false;    // all is that of one state
+  int dof_ = 0;            // of all things; 0 where they differ
 
   VectorXd a_, F0_, F_, q_;                                               // one entry a coordinate
   VectorXd C_, size_, per_size_, per_root_K_, b_, Jv_, lambda_, mu_, x_;  // one entry a row

@@ -13,7 +13,6 @@
 namespace dynamics {
 namespace {
 
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 std::string number(double x) {

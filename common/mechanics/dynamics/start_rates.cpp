@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mechanics/dynamics/entries.hpp"
 #include "mechanics/dynamics/system.hpp"
 
 namespace dynamics {
@@ -69,7 +70,6 @@ bool solve(const Equations& equations, const VectorXd& M, VectorXd& v) {
       v -= N * (root_M.asDiagonal() * N).colPivHouseholderQr().solve(root_M.cwiseProduct(v));
     left = b - A * v;
   }
-  constexpr double epsilon = std::numeric_limits<double>::epsilon();
   const double size = v.cwiseQuotient(c).norm();
   v = (v.array().abs() > 64 * epsilon * epsilon * size * c.array()).select(v, 0);
   const VectorXd allowed = digits * (A.cwiseAbs() * v.cwiseAbs() + b.cwiseAbs());

@@ -218,7 +218,8 @@ void System::set_up(double t, const VectorXd& q, const VectorXd& v, Evaluation& 
 
 void System::evaluate(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
   set_up(t, q, v, e);
-  if (e.nearly_dependent_rows() > 0) return evaluate_on_constraints(t, q, v, e);
+  if (e.nearly_dependent_rows() > 0 && (!e.wholly_dependent() || is_singular_pose(t, q, v, e)))
+    return evaluate_on_constraints(t, q, v, e);
   solve_for_a(q, v, e);
 }
 

