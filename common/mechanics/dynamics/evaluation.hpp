@@ -147,7 +147,7 @@ class Evaluation {
     double size;
 
     double part(const VectorXd& x, Eigen::Index k) const;
-    double largest_part(const VectorXd& x) const;
+    double largest_part(const VectorXd& x, const VectorXd& y) const;
   };
 
   const Evaluation& checked() const;
@@ -196,6 +196,7 @@ class Evaluation {
   BlockLdlt K_;
   std::vector<WeakRow> weak_;  // those that are kept, then those that are left out
   std::size_t kept_ = 0;
+  std::vector<int> redundant_;  // where limit_: rows that depend on others beside the pose too
   Geometry geometry_;           // of the last state with weak rows
   double rounding_ = 0;         // of C there, as a part of the scene
   double largest_W_theta_ = 0;  // infinite where there are particles

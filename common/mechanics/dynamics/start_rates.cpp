@@ -97,6 +97,18 @@ VectorXd System::start_rates(const VectorXd& q, const std::vector<Rate>& given) 
     equations.add(rate.column + rate.coordinate, rate.value);
   }
   if (solve(equations, layout_.M, v)) {
+    if (e.singular_) {  // the rates that the joints allow here need not belong to any motion
+      Eigen::MatrixXd all =
+          Eigen::MatrixXd::Zero(layout_.rows + static_cast<int>(given.size()), q.size());
+      all.topRows(layout_.rows) = e.jacobian();
+      for (Eigen::Index row = layout_.rows; const Rate& rate : given)
+        all(row++, rate.column + rate.coordinate) = 1;
+      Eigen::ColPivHouseholderQR<Eigen::MatrixXd> QR(all);
+      if (QR.setThreshold(1e-9).rank() < q.size())
+        throw AssemblyError(
+            "cannot start: in this pose the joints lose rank, and more rates are "
+            "needed to tell which way they go");
+    }
     for (const Rate& rate : given) v[rate.column + rate.coordinate] = rate.value;
     return v;
   }

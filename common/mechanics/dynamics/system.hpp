@@ -215,7 +215,8 @@ class System {
   /// The velocities at q that have the given rates and keep the joints, J v = 0: where that leaves
   /// a choice, those of the least kinetic energy. So {{wheel, 2, 10}} turns a crank and all that
   /// follows it. Redundant joints and rates do no harm. AssemblyError, which names the first thing
-  /// whose rate cannot be had. Dense: for set-up.
+  /// whose rate cannot be had, and in a singular pose for rates that do not say which way it is
+  /// left. Dense: for set-up.
   VectorXd start_rates(const VectorXd& q, const std::vector<Rate>& given) const;
 
   /// Kinetic energy, and potential energy of gravity and of the laws that gave one (J).

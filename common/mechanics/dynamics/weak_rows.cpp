@@ -56,11 +56,14 @@ double Evaluation::Geometry::part(const VectorXd& x, Eigen::Index k) const {
   return std::abs(x[k]) / std::max(size * J_x[k], J_theta[k]);
 }
 
-// The largest part, where a row has a gradient.
-double Evaluation::Geometry::largest_part(const VectorXd& x) const {
+// The largest part, of the rows that take part in y and have a gradient.
+double Evaluation::Geometry::largest_part(const VectorXd& x, const VectorXd& y) const {
+  constexpr double little = 1e-6;
+  const double most = y.size() == 0 ? 0 : y.cwiseAbs().maxCoeff();
   double largest = 0;
   for (Eigen::Index k = 0; k < x.size(); ++k)
-    if (J_x[k] > 0 || J_theta[k] > 0) largest = std::max(largest, part(x, k));
+    if (std::abs(y[k]) > little * most && (J_x[k] > 0 || J_theta[k] > 0))
+      largest = std::max(largest, part(x, k));
   return largest;
 }
 
@@ -113,23 +116,23 @@ void Evaluation::find_weak_rows() {
   nearly_dependent_ = limit_ = singular_ = false;
   if (K_.sound() || (K_.complete() && closed())) return;
   geometry_ = geometry();
-  // A velocity along such a combination is known to rounding over s^2.
-  rounding_ = epsilon * std::max(1., geometry_.largest_part(size_));
-  const double d = std::max(1e5 * rounding_, geometry_.largest_part(C_));
-  constexpr double wide_open = 0.1, most_work = 1e8;
-  double rows = 0;
-  for (Eigen::Index row = 0; row < layout_.rows; ++row) rows += K_.set_aside(row);
-  if (!(d < wide_open) || rows * rows * static_cast<double>(layout_.rows) > most_work) {
-    K_.factor(0, 8 * epsilon * layout_.rows);
-    for (int row = 0; row < layout_.rows; ++row)
-      if (K_.set_aside(row)) weak_.push_back({row, {}, {}, 1, 0});
-    return;
-  }
+  const VectorXd all = VectorXd::Ones(layout_.rows);
+  rounding_ = epsilon * std::max(1., geometry_.largest_part(size_, all));
+  const double d = geometry_.largest_part(C_, all);
+  constexpr double wide_open = 0.1, most_work = 1e7;
   // Which of redundant rows are left out must not be left to their order: a row of small pivot is
   // no better than the one that comes after it.
   K_.factor(0, K_.complete()
                    ? std::clamp(100 * d * d, BlockLdlt::smallest_pivot, BlockLdlt::small_pivot)
                    : BlockLdlt::small_pivot);
+  double aside = 0;
+  for (Eigen::Index row = 0; row < layout_.rows; ++row) aside += K_.set_aside(row);
+  if (!(d < wide_open) || aside * aside * layout_.rows > most_work) {
+    K_.factor(0, 8 * epsilon * layout_.rows);
+    for (int row = 0; row < layout_.rows; ++row)
+      if (K_.set_aside(row)) weak_.push_back({row, {}, {}, 1, 0});
+    return;
+  }
 
   for (int row = 0; row < layout_.rows; ++row)
     if (K_.set_aside(row)) {
@@ -143,7 +146,10 @@ void Evaluation::find_weak_rows() {
     std::iter_swap(next, std::max_element(next, weak_.end(), [](auto& a, auto& b) {
                      return a.independence < b.independence;
                    }));
-    if (!(next->independence * next->independence > 10 * d)) break;
+    // A velocity along such a combination is known to rounding over s^2.
+    const double open =
+        std::max({1e5 * epsilon, 1e3 * rounding_, geometry_.largest_part(C_, next->y)});
+    if (!(next->independence * next->independence > 10 * open)) break;
     clear_of_strong(*next);
     for (auto kept = weak_.begin(); kept != next; ++kept) clear_of(*kept, *next);
     const double square = next->g.dot(layout_.W.cwiseProduct(next->g));
@@ -187,13 +193,13 @@ bool Evaluation::closed() const {
 // what they would without.
 Vector3d Evaluation::undetermined(JointHandle joint, int column) const {
   Vector3d unknown = Vector3d::Zero();
-  if (limit_) return unknown;
   constexpr double share = 1e-6, nan = std::numeric_limits<double>::quiet_NaN();
   const JointInfo& here = layout_.joints[static_cast<std::size_t>(joint.index)];
   for (std::size_t i = kept_; i < weak_.size(); ++i) {
     if (weak_[i].y.size() == 0) continue;
     const bool own = weak_[i].row >= here.row && weak_[i].row < here.row + here.r;
-    if (!singular_ && !own) continue;
+    const bool redundant = std::count(redundant_.begin(), redundant_.end(), weak_[i].row) > 0;
+    if (limit_ ? !redundant || !own : !singular_ && !own) continue;
     double force = 0;  // the largest of the combination's, in all joints
     for (const Layout::JBlock& block : layout_.J_blocks) {
       const Vector3d part = reaction_of(weak_[i].y, block.joint, block.column);
@@ -250,10 +256,18 @@ void System::evaluate_on_constraints(double t, const VectorXd& q, const VectorXd
   e.solved_ = true;
 }
 
-// A step of the scene along v by about `size` of its own, or by as much in rad.
+// A step along v by about `size` of the scene, or by as much in rad, of the things that take part
+// in what is nearly dependent.
 double System::step_along(const VectorXd& v, double size, const Evaluation& e) const {
+  VectorXd part = VectorXd::Zero(v.size());
+  for (const Evaluation::WeakRow& weak : e.weak_)
+    if (weak.g.size() > 0 && weak.independence < 1e-3)
+      for (const Layout::JBlock& block : layout_.J_blocks)
+        part.segment(block.column, block.dof).array() +=
+            weak.y.segment(block.row, block.r).squaredNorm() > 1e-12 * weak.y.squaredNorm();
   double speed = 0;
   for (const ThingInfo& thing : layout_.things) {
+    if (part[thing.column] == 0) continue;
     speed = std::max(speed, v.segment<2>(thing.column).norm() / e.geometry_.size);
     if (thing.dof == 3) speed = std::max(speed, std::abs(v[thing.column + 2]));
   }
@@ -275,7 +289,9 @@ bool System::is_singular_pose(double t, const VectorXd& q, const VectorXd& v, Ev
     e.correct(Ju, u);
     moves = kinetic_energy(u) > 1e-12 * all;
   }
-  if (moves) set_up(t, q + step_along(u, 0.02, e) * u, v, e);
+  const double step = step_along(u, 0.02, e);
+  moves = moves && std::isfinite(step);
+  if (moves) set_up(t, q + step * u, v, e);
   const bool singular = moves && e.nearly_dependent_rows() < dependent;
   set_up(t, q, v, e);
   return singular;
@@ -305,6 +321,10 @@ bool System::find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluati
     a += weight * layout_.W.cwiseProduct(e.F_);
     lambda += weight * e.lambda_;
     if (std::abs(s) == 1) near += s * e.lambda_;
+    if (s == 1) {
+      e.redundant_.clear();
+      for (std::size_t i = e.kept_; i < e.weak_.size(); ++i) e.redundant_.push_back(e.weak_[i].row);
+    }
     if (std::abs(s) == 3) far += s / 3 * e.lambda_;
   }
   set_up(t, q, v, e);

@@ -118,22 +118,16 @@ TEST_CASE("near a dead centre the rates are as exact as the pose tells them") {
   }
 }
 
-TEST_CASE("on a dead centre two ways lead on: the least energy chooses, or a second rate") {
+TEST_CASE("on a dead centre two ways lead on, and a second rate must choose") {
   SliderCrank c(0.3, 0.3, std::acos(-1.0) / 2);
   const VectorXd q = c.s.initial_q();
   const VectorXd v = c.s.start_rates(q, {{c.wheel, 2, 5}, {c.bar, 2, -5}});
   VectorXd exact = VectorXd::Zero(9);
   exact << 0, 0, 5, -0.45 * 5, 0, -5, -0.6 * 5, 0, 0;
   CHECK((v - exact).norm() < 1e-14);
-  // One rate: with the rod turning at w, the slider moves at -r (omega - w), and so on; the energy
-  // of rod and slider is least where its derivative by w is 0.
-  const VectorXd least = c.s.start_rates(q, {{c.wheel, 2, 5}});
-  CHECK(least[2] == 5);
-  CHECK((c.s.at(q).jacobian() * least).norm() < 1e-13);
-  CHECK(c.s.kinetic_energy(least) < c.s.kinetic_energy(v));
-  const double m = 1, I = 0.09 / 12, ms = 1.5, r = 0.3;
-  const double w = (m * r * r / 2 + ms * r * r) * 5 / (m * r * r / 4 + I + ms * r * r);
-  CHECK(least[5] == Approx(w).epsilon(1e-12));
+  // With one rate the joints leave a mixture of both, which is the start of no motion.
+  CHECK_THROWS_AS(c.s.start_rates(q, {{c.wheel, 2, 5}}), AssemblyError);
+  CHECK_THROWS_AS(c.s.start_rates(q, {}), AssemblyError);
 }
 
 TEST_CASE("what the given rates leave open has the least kinetic energy") {
