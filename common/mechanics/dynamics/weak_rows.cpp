@@ -278,7 +278,13 @@ double System::step_along(const VectorXd& v, double size, const Evaluation& e) c
 // moment only: a little further along v, or, where nothing moves, along some other motion that the
 // joints allow.
 bool System::is_singular_pose(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
-  const int dependent = e.nearly_dependent_rows();
+  // By geometry alone: the step leaves the joints open.
+  const auto dependent_rows = [&] {
+    return std::count_if(e.weak_.begin(), e.weak_.end(), [](const Evaluation::WeakRow& weak) {
+      return weak.g.size() > 0 && weak.independence < 1e-3;
+    });
+  };
+  const auto dependent = dependent_rows();
   VectorXd u = v;
   bool moves = !u.isZero(0);
   if (!moves) {
@@ -292,7 +298,7 @@ bool System::is_singular_pose(double t, const VectorXd& q, const VectorXd& v, Ev
   const double step = step_along(u, 0.02, e);
   moves = moves && std::isfinite(step);
   if (moves) set_up(t, q + step * u, v, e);
-  const bool singular = moves && e.nearly_dependent_rows() < dependent;
+  const bool singular = moves && dependent_rows() < dependent;
   set_up(t, q, v, e);
   return singular;
 }
