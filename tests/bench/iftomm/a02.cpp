@@ -27,7 +27,6 @@ int main(int argc, char** argv) {
                     .coarsest = 0.02,
                     .rungs = 12};
   chapter.remark =
-      "Digits go where a step evaluates close to a pose in which J loses rank: with shorter steps "
-      "closer, and more often.";
+      "Close to a pose in which J loses rank the acceleration is taken from both sides of it.";
   return app::run_chapter(argc, argv, chapter);
 }
