@@ -19,7 +19,6 @@
 #include "mechanics/dynamics/system.hpp"
 
 namespace dynamics {
-namespace {}  // namespace
 
 Evaluation::Geometry Evaluation::geometry() const {
   Geometry scene{VectorXd::Zero(layout_.rows), VectorXd::Zero(layout_.rows), 0};
