@@ -176,6 +176,7 @@ class Evaluation {
   void clear_of_strong(WeakRow& weak);
   void clear_of(const WeakRow& kept, WeakRow& weak) const;
   double left_of(const WeakRow& weak) const;
+  double speed(int column, int dof, const VectorXd& v) const;
   double independence(Eigen::Index row) const;
   void solve(VectorXd& b, VectorXd& F);
 

@@ -306,7 +306,8 @@ class System {
   void find_constraint(const VectorXd& q, const VectorXd& v, Evaluation& e) const;
   void set_up(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const;
   void solve_for_a(const VectorXd& q, const VectorXd& v, Evaluation& e) const;
-  double step_along(const VectorXd& v, double size, const Evaluation& e) const;
+  double speed(const VectorXd& v, const Evaluation& e) const;
+  VectorXd times_along(const VectorXd& v, double far, double rest, const Evaluation& e) const;
   bool is_singular_pose(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const;
   bool find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const;
   void factor_here(Evaluation& e, double damping = 0) const;

@@ -82,6 +82,12 @@ void Evaluation::clear_of(const WeakRow& kept, WeakRow& weak) const {
   weak.g -= part * kept.g;
 }
 
+// How fast a thing moves, in sizes of the scene or in rad.
+double Evaluation::speed(int column, int dof, const VectorXd& v) const {
+  const double speed = v.segment<2>(column).norm() / geometry_.size;
+  return dof == 3 ? std::max(speed, std::abs(v[column + 2])) : speed;
+}
+
 // How much of the gradients that y adds up is left in g: from 1 to 0. Lengths count in metres here,
 // whatever the masses, since rows depend on one another by geometry; an angle counts by the scene's
 // size.
@@ -255,22 +261,43 @@ void System::evaluate_on_constraints(double t, const VectorXd& q, const VectorXd
   e.solved_ = true;
 }
 
-// A step along v by about `size` of the scene, or by as much in rad, of the things that take part
-// in what is nearly dependent.
-double System::step_along(const VectorXd& v, double size, const Evaluation& e) const {
-  VectorXd part = VectorXd::Zero(v.size());
+// How fast the fastest thing moves, in sizes of the scene or in rad.
+double System::speed(const VectorXd& v, const Evaluation& e) const {
+  double speed = 0;
+  for (const ThingInfo& thing : layout_.things)
+    speed = std::max(speed, e.speed(thing.column, thing.dof, v));
+  return speed;
+}
+
+// For each coordinate, the time in which its thing goes about `far` of the scene along v, or as
+// much in rad. It is common to all that joints connect, and that of the fastest among the things
+// that take part in what is nearly dependent: 0 where there is none, or none faster than `rest`.
+VectorXd System::times_along(const VectorXd& v, double far, double rest,
+                             const Evaluation& e) const {
+  Eigen::VectorXi other = Eigen::VectorXi::LinSpaced(v.size(), 0, static_cast<int>(v.size()) - 1);
+  const auto first_connected = [&](int column) {
+    while (other[column] != column) column = other[column] = other[other[column]];
+    return column;
+  };
+  const std::vector<Layout::JBlock>& blocks = layout_.J_blocks;
+  for (std::size_t i = 1; i < blocks.size(); ++i)
+    if (blocks[i].joint == blocks[i - 1].joint)
+      other[first_connected(blocks[i].column)] = first_connected(blocks[i - 1].column);
+
+  VectorXd fastest = VectorXd::Zero(v.size());
   for (const Evaluation::WeakRow& weak : e.weak_)
     if (weak.g.size() > 0 && weak.independence < 1e-3)
-      for (const Layout::JBlock& block : layout_.J_blocks)
-        part.segment(block.column, block.dof).array() +=
-            weak.y.segment(block.row, block.r).squaredNorm() > 1e-12 * weak.y.squaredNorm();
-  double speed = 0;
+      for (const Layout::JBlock& block : blocks)
+        if (weak.y.segment(block.row, block.r).squaredNorm() > 1e-12 * weak.y.squaredNorm()) {
+          double& speed = fastest[first_connected(block.column)];
+          speed = std::max(speed, e.speed(block.column, block.dof, v));
+        }
+  VectorXd times = VectorXd::Zero(v.size());
   for (const ThingInfo& thing : layout_.things) {
-    if (part[thing.column] == 0) continue;
-    speed = std::max(speed, v.segment<2>(thing.column).norm() / e.geometry_.size);
-    if (thing.dof == 3) speed = std::max(speed, std::abs(v[thing.column + 2]));
+    const double speed = fastest[first_connected(thing.column)];
+    if (speed > rest) times.segment(thing.column, thing.dof).setConstant(far / speed);
   }
-  return size / speed;
+  return times;
 }
 
 // Whether rows that nearly depend on others here, where e is set up and will be again, do so for a
@@ -284,20 +311,23 @@ bool System::is_singular_pose(double t, const VectorXd& q, const VectorXd& v, Ev
     });
   };
   const auto dependent = dependent_rows();
-  VectorXd u = v;
-  bool moves = !u.isZero(0);
-  if (!moves) {
+  constexpr double far = 0.02, rest = 1e-9;
+  VectorXd times = times_along(v, far, rest * speed(v, e), e);
+  VectorXd step = times.cwiseProduct(v);
+  if (step.isZero(0)) {
+    VectorXd u(v.size());
     for (Eigen::Index i = 0; i < u.size(); ++i) u[i] = std::cos(1.0 + static_cast<double>(i * i));
-    const double all = kinetic_energy(u);
+    const double all = speed(u, e);
     VectorXd Ju = VectorXd::Zero(layout_.rows);
     e.add_J(1, u, Ju);
     e.correct(Ju, u);
-    moves = kinetic_energy(u) > 1e-12 * all;
+    step = times_along(u, far, rest * all, e).cwiseProduct(u);
   }
-  const double step = step_along(u, 0.02, e);
-  moves = moves && std::isfinite(step);
-  if (moves) set_up(t, q + step * u, v, e);
-  const bool singular = moves && dependent_rows() < dependent;
+  bool singular = false;
+  if (!step.isZero(0)) {
+    set_up(t, q + step, v, e);
+    singular = dependent_rows() < dependent;
+  }
   set_up(t, q, v, e);
   return singular;
 }
@@ -310,15 +340,15 @@ bool System::is_singular_pose(double t, const VectorXd& q, const VectorXd& v, Ev
 bool System::find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
   // Their error of the sixth order is some 64 s^6 of them, as they turn twice as fast as the
   // things, and that of rounding 1 / s^3 of it.
-  const double step = step_along(v, 0.6 * std::pow(e.rounding_, 1. / 9), e);
-  bool passes = std::isfinite(step);
+  const VectorXd times = times_along(v, 0.6 * std::pow(e.rounding_, 1. / 9), 1e-9 * speed(v, e), e);
+  bool passes = !times.isZero(0);
   const int dependent = e.nearly_dependent_rows();
   VectorXd a = VectorXd::Zero(q.size()), lambda = VectorXd::Zero(layout_.rows), near = lambda,
            far = lambda;
   for (const auto& [s, weight] :
        {std::pair(-3, 0.05), {-2, -0.3}, {-1, 0.75}, {1, 0.75}, {2, -0.3}, {3, 0.05}}) {
     if (!passes) break;
-    VectorXd q_s = q + s * step * v, v_s = v;
+    VectorXd q_s = q + s * times.cwiseProduct(v), v_s = v;
     const bool closed = project(t, q_s, v_s, e).converged;
     set_up(t, q_s, v_s, e);
     e.lambda_ = e.b_;

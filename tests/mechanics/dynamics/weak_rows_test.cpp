@@ -1,5 +1,7 @@
 // Rows that nearly depend on others: redundant joints, singular poses, light things beside heavy
 // ones. The truths are those of one rigid body, of one angle, of statics.
+#include <Eigen/QR>
+#include <Eigen/SVD>
 #include <cmath>
 
 #include "catch.hpp"
@@ -8,6 +10,7 @@
 #include "mechanics/joints/prismatic.hpp"
 #include "mechanics/joints/revolute.hpp"
 #include "mechanics/motion/mechanism.hpp"
+#include "random.hpp"
 
 using namespace dynamics;
 using integrators::Scheme;
@@ -184,32 +187,35 @@ struct Crank {
   Handle<Body> wheel, rod, slider;
 };
 Crank equal_crank(System& system, double theta, double omega, const Frame& frame = {},
-                  double rod_inertia = 0.0075) {
+                  double rod_inertia = 0.0075, const std::string& one_of = "") {
   system.set_gravity(frame.turned({0, g}));
   const double l = 0.3, c = std::cos(theta), s = std::sin(theta);
   const auto turned = [&](double x, double y) { return frame.turned({x, y}); };
   Crank crank;
   crank.wheel =
-      system.add_body("wheel", 2, 0.16, frame({0, 0}), theta + frame.angle, {0, 0}, omega);
-  crank.rod = system.add_body("rod", 1, rod_inertia, frame({1.5 * l * c, 0.5 * l * s}),
+      system.add_body(one_of + "wheel", 2, 0.16, frame({0, 0}), theta + frame.angle, {0, 0}, omega);
+  crank.rod = system.add_body(one_of + "rod", 1, rod_inertia, frame({1.5 * l * c, 0.5 * l * s}),
                               -theta + frame.angle,
                               turned(-1.5 * l * s * omega, 0.5 * l * c * omega), -omega);
-  crank.slider = system.add_body("slider", 1.5, 0.01, frame({2 * l * c, 0}), frame.angle,
+  crank.slider = system.add_body(one_of + "slider", 1.5, 0.01, frame({2 * l * c, 0}), frame.angle,
                                  turned(-2 * l * s * omega, 0));
-  system.add("wheel_frame", Revolute{{0, 0}, frame({0, 0})}, crank.wheel, System::world);
-  system.add("rod_wheel", Revolute{{-l / 2, 0}, {l, 0}}, crank.rod, crank.wheel);
-  system.add("slider_rod", Revolute{{0, 0}, {l / 2, 0}}, crank.slider, crank.rod);
-  system.add("slider_frame", Prismatic{frame({0, 0}), {0, 0}, frame.turned({0, 1}), frame.angle},
-             System::world, crank.slider);
+  system.add(one_of + "wheel_frame", Revolute{{0, 0}, frame({0, 0})}, crank.wheel, System::world);
+  system.add(one_of + "rod_wheel", Revolute{{-l / 2, 0}, {l, 0}}, crank.rod, crank.wheel);
+  system.add(one_of + "slider_rod", Revolute{{0, 0}, {l / 2, 0}}, crank.slider, crank.rod);
+  system.add(one_of + "slider_frame",
+             Prismatic{frame({0, 0}), {0, 0}, frame.turned({0, 1}), frame.angle}, System::world,
+             crank.slider);
   return crank;
 }
-// Its one equation, M(theta) theta'' + M'/2 theta'^2 = Q, from the energies of its three bodies.
-double equal_crank_acceleration(double theta, double omega, double rod_inertia = 0.0075) {
+// Its one equation, M(theta) theta'' + M'/2 theta'^2 = Q, with a torque on the wheel, from the
+// energies of its three bodies.
+double equal_crank_acceleration(double theta, double omega, double rod_inertia = 0.0075,
+                                double torque = 0) {
   const double l = 0.3, c = std::cos(theta), s = std::sin(theta);
   const double M =
       0.16 + rod_inertia + l * l * (2.25 * s * s + 0.25 * c * c) + 1.5 * 4 * l * l * s * s;
   const double M_prime = l * l * (4.5 - 0.5) * s * c + 1.5 * 8 * l * l * s * c;
-  return (0.5 * l * c * g - M_prime / 2 * omega * omega) / M;
+  return (torque + 0.5 * l * c * g - M_prime / 2 * omega * omega) / M;
 }
 
 }  // namespace
@@ -235,6 +241,26 @@ TEST_CASE("at a singular pose that is passed, accelerations and forces are the l
         const Vector2d along = frame.turned({1, 0});
         CHECK(std::abs(along.dot(push.head<2>()) - 1.5 * x) < 10 * known * size);
       }
+}
+
+TEST_CASE("two mechanisms in their singular poses at once do not disturb each other") {
+  constexpr double torque = 3;
+  for (const double slow : {5., 0.5, 5e-3, 5e-6})
+    for (const bool fast_first : {true, false}) {
+      Evaluated scene;
+      const auto add = [&](double omega, double x) {
+        const auto wheel =
+            equal_crank(scene, pi / 2, omega, {0, {x, 1}}, 0.0075, std::to_string(x)).wheel;
+        scene.apply(wheel, {0, 0, torque});
+      };
+      add(fast_first ? 5 : slow, 0);
+      add(fast_first ? slow : 5, 3);
+      const auto& e = scene.at(scene.initial_q());
+      INFO("slow " << slow << " fast first " << fast_first);
+      const double alpha = equal_crank_acceleration(pi / 2, 5, 0.0075, torque);
+      CHECK(std::abs(e.a()[2] - alpha) < 1e-8 * alpha);
+      CHECK(std::abs(e.a()[11] - alpha) < 1e-8 * alpha);
+    }
 }
 
 TEST_CASE("at rest in a singular pose the way is not known, and it is said") {
@@ -315,6 +341,111 @@ TEST_CASE("a rod of next to no inertia keeps the energy") {
                         [&](System& system) { equal_crank(system, 1, 5, {}, inertia); });
     CHECK(energy_error(motion, 0.2, 1e-3) < 1e-7 * motion.measures().kinetic);
   }
+}
+
+namespace {
+
+// Bodies and a bead at random places, joined at random so that all joints are closed, some of them
+// twice. On a grid, at right angles, more of them are redundant than at places of all kinds.
+void random_scene(System& system, bool on_grid, double most_mass) {
+  const auto whole = [](int below) { return static_cast<int>(generator() % unsigned(below)); };
+  const auto real = [](double from, double to) {
+    return from + (to - from) * static_cast<double>(generator()) / 4294967296.;
+  };
+  const auto place = [&] {
+    return on_grid ? Vector2d(whole(4), whole(3)) : Vector2d(real(-1, 1), real(-1, 1));
+  };
+  const auto angle = [&] { return on_grid ? pi / 2 * whole(4) : real(-3, 3); };
+  const auto mass = [&] { return std::pow(most_mass, real(-1, 1)); };
+  struct Placed {
+    Handle<Body> handle;
+    Vector2d x;
+    double theta;
+    Vector2d own(const Vector2d& d) const { return rotation(theta).transpose() * d; }
+    Vector2d in(const Vector2d& p) const { return own(p - x); }
+  };
+  std::vector<Placed> bodies(std::size_t(1 + whole(4)));
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const double m = mass();
+    const Vector2d x = place();
+    const double theta = angle();
+    bodies[i] = {system.add_body(std::to_string(i), m, m * real(0.05, 1), x, theta), x, theta};
+  }
+  const Vector2d at = place() + Vector2d(0.1, 0.3);
+  const auto bead = system.add_particle("bead", mass(), at);
+  system.set_gravity({3, g});
+  system.apply(bodies[0].handle, {real(-1, 1), real(-1, 1), real(-1, 1)});
+
+  for (int joint = 0, joints = 1 + whole(6); joint < joints; ++joint) {
+    const Placed& a = bodies[std::size_t(whole(int(bodies.size())))];
+    const Placed& b = bodies[std::size_t(whole(int(bodies.size())))];
+    const bool fixed = a.handle.index == b.handle.index;
+    const Vector2d p = place(), n = rotation(angle()) * Vector2d(0, 1);
+    const int kind = whole(4);
+    const double length = (p - at).norm();
+    for (int copies = whole(3) == 0 ? 2 : 1; copies > 0; --copies) {
+      const std::string name = std::to_string(joint) + "." + std::to_string(copies);
+      if (kind == 0 && fixed) system.add(name, Revolute{a.in(p), p}, a.handle, System::world);
+      if (kind == 0 && !fixed) system.add(name, Revolute{a.in(p), b.in(p)}, a.handle, b.handle);
+      if (kind == 1 && fixed)
+        system.add(name, Prismatic{p, a.in(p), n, a.theta}, System::world, a.handle);
+      if (kind == 1 && !fixed)
+        system.add(name, Prismatic{a.in(p), b.in(p), a.own(n), b.theta - a.theta}, a.handle,
+                   b.handle);
+      if (kind == 2) system.add(name, Distance{length, {0, 0}, p}, bead, System::world);
+      if (kind == 3) system.add(name, Distance{length, {0, 0}, a.in(p)}, bead, a.handle);
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("random scenes, redundant joints or not, move as a singular value decomposition says") {
+  using Eigen::MatrixXd;
+  int judged = 0, with_redundant = 0;
+  for (int i = 0; i < 600; ++i) {
+    Evaluated scene;
+    const bool on_grid = i % 2 == 1;
+    random_scene(scene, on_grid, i % 3 == 0 ? 1 : 1e4);
+    const VectorXd q = scene.initial_q();
+    MatrixXd J = scene.jacobian(q);
+    const VectorXd per_row = J.rowwise().norm().cwiseInverse();
+    if (J.rows() == 0 || !per_row.allFinite()) continue;
+    const Eigen::JacobiSVD<MatrixXd> svd(per_row.asDiagonal() * J,
+                                         Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const auto& sigma = svd.singularValues().array();
+    const Eigen::Index rank = (sigma > 1e-3).count();
+    if ((sigma > 1e-12).count() > rank) continue;  // near a singular pose: known to fewer digits
+    ++judged;
+    with_redundant += rank < J.rows();
+
+    const MatrixXd N = svd.matrixV().rightCols(q.size() - rank);  // J N = 0
+    VectorXd z(N.cols());
+    for (double& x : z) x = static_cast<double>(generator()) / 4294967296. - 0.5;
+    // On the grid a pose may be singular, and not all that it lets move can go on moving.
+    const VectorXd v = (on_grid ? 0 : 1) * N * z;
+    constexpr double h = 1e-5;
+    const VectorXd Jdot_v = (scene.jacobian(q + h * v) - scene.jacobian(q - h * v)) * v / (2 * h);
+    // Of all a with J a = -Jdot_v the one that is nearest to W F (Gauss).
+    const VectorXd particular =
+        -svd.matrixV().leftCols(rank) *
+        (svd.matrixU().leftCols(rank).transpose() * per_row.cwiseProduct(Jdot_v))
+            .cwiseQuotient(sigma.head(rank).matrix());
+    const VectorXd root_M = scene.W().cwiseSqrt().cwiseInverse();
+    const VectorXd free = scene.W().cwiseProduct(scene.forces(0, q, v));
+    VectorXd a = particular;
+    if (N.cols() > 0)
+      a += N * (root_M.asDiagonal() * N)
+                   .colPivHouseholderQr()
+                   .solve(root_M.cwiseProduct(free - particular));
+
+    const auto& e = scene.at(q, v);
+    INFO("scene " << i << ", rows " << J.rows() << ", rank " << rank);
+    CHECK(e.counts().rank == rank);
+    CHECK((e.a() - a).cwiseAbs().maxCoeff() < 1e-7 * std::max(g, a.cwiseAbs().maxCoeff()));
+  }
+  CHECK(judged > 500);
+  CHECK(with_redundant > 250);
 }
 
 TEST_CASE("what is not finite stays that, and redundant joints that contradict each other end") {
