@@ -193,6 +193,21 @@ TEST_CASE("the implicit midpoint rule holds the stiffest spring at any step, and
     }
 }
 
+TEST_CASE("the implicit midpoint rule solves its equation however many steps a slow motion takes") {
+  // The slow motion of q'' = -k q - c v, v = -r q, is multiplied by (1 - r h/2) / (1 + r h/2).
+  const double k = 1e4, c = 1e5, r = 2 * k / (c + std::sqrt(c * c - 4 * k));
+  for (const int steps : {8, 1000, 32768, 65536, 131072}) {
+    INFO(steps << " steps");
+    const double h = 2.0 / steps;
+    Integrator<double> integrator(Scheme::implicit_midpoint, 0.1);
+    double q = 0.1, v = -r * q;
+    for (int i = 0; i < steps; ++i)
+      integrator.step([&](double, double x, double u, double& a) { a = -k * x - c * u; }, i * h, q,
+                      v, h);
+    CHECK(std::abs(q - 0.1 * std::exp(-2 * steps * std::atanh(r * h / 2))) < 1e-13);
+  }
+}
+
 TEST_CASE("the implicit midpoint rule solves stiff and soft parts together") {
   // A chain of springs whose stiffnesses spread over ten decades, with a nonlinear one among them.
   const int n = 6;

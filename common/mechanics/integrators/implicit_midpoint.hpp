@@ -71,7 +71,8 @@ class ImplicitMidpoint {
       const bool slow = correction > 0.1 * before;
       before = correction;
       if (!slow) continue;
-      if (correction <= 1e-10 * (size + column(q).norm() / h) + 64.0 * rounding_ * h) break;
+      const double noise = 64.0 * (epsilon * column(q).norm() / h + rounding_ * h);
+      if (correction <= 1e-10 * size + noise) break;
       if (renewals++ == 20) throw NoStep("the equation of the implicit step was not solved");
       if (renewals == 1) x_ = v;  // where another R' has led must not be trusted
       find_R_prime(minus_R);
