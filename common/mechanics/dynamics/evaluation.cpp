@@ -128,16 +128,15 @@ void Evaluation::factor(double damping) {
   factored_ = true;
   weak_.clear();
   kept_ = 0;
-  if (damping == 0) find_weak_rows();  // else no pivot is small
+  nearly_dependent_ = limit_ = singular_ = false;
+  if (damping == 0 && !K_.sound()) find_weak_rows();  // with damping no pivot is small
 }
 
 // ---- What is asked of it ----
 
-const Evaluation& Evaluation::checked() const {
-  if (!solved_)
-    throw std::logic_error("asked of an evaluation, but nothing was evaluated since it was made " +
-                           std::string("or lent to project()"));
-  return *this;
+void Evaluation::refuse() {
+  throw std::logic_error("asked of an evaluation, but nothing was evaluated since it was made " +
+                         std::string("or lent to project()"));
 }
 
 void Evaluation::check(const char* who, JointHandle handle) const {

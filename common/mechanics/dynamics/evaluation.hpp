@@ -150,7 +150,11 @@ class Evaluation {
     double largest_part(const VectorXd& x, const VectorXd& y) const;
   };
 
-  const Evaluation& checked() const;
+  const Evaluation& checked() const {
+    if (!solved_) refuse();
+    return *this;
+  }
+  [[noreturn]] static void refuse();
   void check(const char* who, JointHandle handle) const;
   Vector3d reaction(JointHandle joint, int column) const;
   Vector3d undetermined(JointHandle joint, int column) const;
@@ -200,6 +204,7 @@ class Evaluation {
   std::vector<int> redundant_;  // where limit_: rows that depend on others beside the pose too
   Geometry geometry_;           // of the last state with weak rows
   double rounding_ = 0;         // of C there, as a part of the scene
+  double nan_of_state_ = 0;     // NaN where an entry of the last state is not finite, else 0
   double largest_W_theta_ = 0;  // infinite where there are particles
   bool nearly_dependent_ = false, singular_ = false,
        limit_ = false;     // where a and lambda are the limits along v

@@ -173,14 +173,18 @@ void System::enter(const VectorXd& q, const VectorXd& v, Evaluation& e) const {
     throw std::invalid_argument("an Evaluation of another System, or of none");
   if (e.revision_ != revision_) e.analyse(*this);
   e.solved_ = false;
-  for (auto& [particle, column] : e.things_.particles)
+  e.nan_of_state_ = 0;
+  for (auto& [particle, column] : e.things_.particles) {
     particle = {q.segment<2>(column), v.segment<2>(column)};
+    e.nan_of_state_ += (0 * particle.x + 0 * particle.v).sum();
+  }
   for (auto& [body, column] : e.things_.bodies) {
     body.x = q.segment<2>(column);
     body.v = v.segment<2>(column);
     if (body.theta != q[column + 2]) body.A = rotation(q[column + 2]);
     body.theta = q[column + 2];
     body.omega = v[column + 2];
+    e.nan_of_state_ += (0 * body.x + 0 * body.v).sum() + 0 * body.theta + 0 * body.omega;
   }
 }
 
@@ -218,17 +222,19 @@ void System::set_up(double t, const VectorXd& q, const VectorXd& v, Evaluation& 
 
 void System::evaluate(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
   set_up(t, q, v, e);
-  if (e.nearly_dependent_rows() > 0 && (!e.wholly_dependent() || is_singular_pose(t, q, v, e)))
+  if (!e.weak_.empty() && e.nearly_dependent_rows() > 0 &&
+      (!e.wholly_dependent() || is_singular_pose(t, q, v, e)))
     return evaluate_on_constraints(t, q, v, e);
   solve_for_a(q, v, e);
 }
 
 void System::solve_for_a(const VectorXd& q, const VectorXd& v, Evaluation& e) const {
-  e.lambda_ = e.b_;
+  e.lambda_.swap(e.b_);
   if (ks_ != 0) e.lambda_ -= ks_ * e.C_;
   if (kd_ != 0) e.add_J(-kd_, v, e.lambda_);
   e.solve(e.lambda_, e.F_);
-  e.a_ = layout_.W.cwiseProduct(e.F_) + 0 * q + 0 * v;  // NaN where q or v is not finite
+  e.a_ = layout_.W.cwiseProduct(e.F_);
+  if (e.nan_of_state_ != 0) e.a_ += 0 * q + 0 * v;
   e.solved_ = true;
 }
 

@@ -116,10 +116,7 @@ double Evaluation::left_of(const WeakRow& weak) const {
 // rounding. Of joints that are wide open nothing of this holds, nor of a state that is not finite:
 // there, and where it would take too long, rows go by their pivots alone.
 void Evaluation::find_weak_rows() {
-  weak_.clear();
-  kept_ = 0;
-  nearly_dependent_ = limit_ = singular_ = false;
-  if (K_.sound() || (K_.complete() && closed())) return;
+  if (K_.complete() && closed()) return;
   geometry_ = geometry();
   const VectorXd all = VectorXd::Ones(layout_.rows);
   rounding_ = epsilon * std::max(1., geometry_.largest_part(size_, all));
@@ -226,7 +223,7 @@ double Evaluation::independence(Eigen::Index row) const {
 // Overwrites b with the solution x of K x = b, and adds J^T x to F: from the g, which have digits
 // that a sum of J^T y has not when heavy things hang on light ones. The x of rows left out is 0.
 void Evaluation::solve(VectorXd& b, VectorXd& F) {
-  mu_ = b;
+  if (kept_ > 0) mu_ = b;
   K_.solve(b);
   add_Jt(b, F);
   for (std::size_t i = 0; i < kept_; ++i) {

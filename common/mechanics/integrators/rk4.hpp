@@ -1,5 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <type_traits>
+
 namespace integrators {
 
 /// The classical Runge–Kutta method, order 4: four evaluations a step, the article's own choice.
@@ -24,33 +27,45 @@ class Rk4 {
   template <class Acceleration>
   void step(Acceleration&& acceleration, double t, Vector& q, Vector& v, double h) {
     acceleration(t, q, v, a_);
-    v_sum_ = v;
-    a_sum_ = a_;
-
-    q_ = q + 0.5 * h * v;
-    v_ = v + 0.5 * h * a_;
+    each_entry(q, [&](const auto& at) {
+      at(v_sum_) = at(v);
+      at(a_sum_) = at(a_);
+      at(q_) = at(q) + 0.5 * h * at(v);
+      at(v_) = at(v) + 0.5 * h * at(a_);
+    });
     acceleration(t + 0.5 * h, q_, v_, a_);
-    v_sum_ += 2.0 * v_;
-    a_sum_ += 2.0 * a_;
-
-    q_ = q + 0.5 * h * v_;
-    v_ = v + 0.5 * h * a_;
+    each_entry(q, [&](const auto& at) {
+      at(v_sum_) += 2.0 * at(v_);
+      at(a_sum_) += 2.0 * at(a_);
+      at(q_) = at(q) + 0.5 * h * at(v_);
+      at(v_) = at(v) + 0.5 * h * at(a_);
+    });
     acceleration(t + 0.5 * h, q_, v_, a_);
-    v_sum_ += 2.0 * v_;
-    a_sum_ += 2.0 * a_;
-
-    q_ = q + h * v_;
-    v_ = v + h * a_;
+    each_entry(q, [&](const auto& at) {
+      at(v_sum_) += 2.0 * at(v_);
+      at(a_sum_) += 2.0 * at(a_);
+      at(q_) = at(q) + h * at(v_);
+      at(v_) = at(v) + h * at(a_);
+    });
     acceleration(t + h, q_, v_, a_);
-    v_sum_ += v_;
-    a_sum_ += a_;
-
-    q += h / 6.0 * v_sum_;
-    v += h / 6.0 * a_sum_;
+    each_entry(q, [&](const auto& at) {
+      at(q) += h / 6.0 * (at(v_sum_) + at(v_));
+      at(v) += h / 6.0 * (at(a_sum_) + at(a_));
+    });
   }
   // [step]
 
  private:
+  /// Calls f(at) for each entry, at(x) being that of x: what needs one pass through memory takes
+  /// one.
+  template <class F>
+  static void each_entry(const Vector& like, F&& f) {
+    if constexpr (std::is_same_v<Vector, double>)
+      f([](auto& x) -> auto& { return x; });
+    else
+      for (Eigen::Index k = 0; k < like.size(); ++k) f([k](auto& x) -> auto& { return x[k]; });
+  }
+
   Vector q_, v_, a_, v_sum_, a_sum_;
 };
 
