@@ -233,8 +233,8 @@ void Evaluation::solve(VectorXd& b, VectorXd& F) {
 void System::evaluate_on_constraints(double t, const VectorXd& q, const VectorXd& v,
                                      Evaluation& e) const {
   // What feedback asks for, in the state that was given.
-  find_constraint(q, v, e);
-  const VectorXd C = e.C_, feedback = -ks_ * e.C_ - kd_ * e.Jv_;
+  find_constraint(t, q, v, e);
+  const VectorXd C = e.C_, feedback = -ks_ * e.C_ - kd_ * e.Cdot_;
 
   VectorXd q_on = q, v_on = v;
   project(t, q_on, v_on, e);
@@ -296,7 +296,7 @@ bool System::is_singular_pose(double t, const VectorXd& q, const VectorXd& v, Ev
   }
   const double step = step_along(u, 0.02, e);
   moves = moves && std::isfinite(step);
-  if (moves) set_up(t, q + step * u, v, e);
+  if (moves) set_up(v.isZero(0) ? t : t + step, q + step * u, v, e);
   const bool singular = moves && dependent_rows() < dependent;
   set_up(t, q, v, e);
   return singular;
@@ -318,9 +318,10 @@ bool System::find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluati
   for (const auto& [s, weight] :
        {std::pair(-3, 0.05), {-2, -0.3}, {-1, 0.75}, {1, 0.75}, {2, -0.3}, {3, 0.05}}) {
     if (!passes) break;
+    const double t_s = t + s * step;
     VectorXd q_s = q + s * step * v, v_s = v;
-    const bool closed = project(t, q_s, v_s, e).converged;
-    set_up(t, q_s, v_s, e);
+    const bool closed = project(t_s, q_s, v_s, e).converged;
+    set_up(t_s, q_s, v_s, e);
     e.lambda_ = e.b_;
     e.solve(e.lambda_, e.F_);
     passes = closed && e.nearly_dependent_rows() < dependent;
