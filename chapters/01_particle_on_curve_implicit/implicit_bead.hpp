@@ -52,7 +52,7 @@ class ImplicitBead {
 
   // [projection]
   /// Back onto the curve along ∇C, then the velocity back onto the tangent.
-  void project(Vector& x, Vector& v) const {
+  void project(double, Vector& x, Vector& v) const {
     constexpr double rounding = 2.0 * std::numeric_limits<double>::epsilon();
     for (int i = 0; i < 4; ++i) {
       const double error = C(x);

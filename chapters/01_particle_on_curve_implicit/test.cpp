@@ -295,13 +295,13 @@ TEST_CASE("projection brings position and velocity back, along ∇C, and leaves 
     const Vector2d on(x0, -x0 * x0 / 100.0), tangent = Vector2d(50.0, -x0).normalized();
     const Vector2d normal(-tangent.y(), tangent.x());
     Vector2d x = on + 0.3 * normal, v = 4.0 * tangent + 0.2 * normal;
-    bead.project(x, v);
+    bead.project(0.0, x, v);
     CHECK(std::abs(bead.C(x)) <= 1e-12 * (1 + x0 * x0));
     CHECK(std::abs(bead.gradient(x).dot(v)) <= 1e-12 * bead.gradient(x).norm());
     CHECK((x - on).norm() < 0.1);  // back to where it came from, but for the curve's bend
     CHECK((v - 4.0 * tangent).norm() < 0.05);
     Vector2d again = x, v_again = v;
-    bead.project(again, v_again);
+    bead.project(0.0, again, v_again);
     CHECK((again - x).norm() <= 1e-14 * (1 + x.norm()));
     CHECK((v_again - v).norm() <= 1e-14 * v.norm());
   }

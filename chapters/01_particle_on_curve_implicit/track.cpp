@@ -48,7 +48,7 @@ void draw_bead(draw::Canvas& canvas, const Scene& scene, const Eigen::Vector2d& 
   canvas.bead(point(x), 7.0, canvas.theme().body.faded(presence),
               canvas.theme().body_edge.faded(presence));
   Eigen::Vector2d foot = x, v = Eigen::Vector2d::Zero();
-  ImplicitBead(scene).project(foot, v);
+  ImplicitBead(scene).project(0.0, foot, v);
   canvas.gap(point(foot), point(x));
 }
 

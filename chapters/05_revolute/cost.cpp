@@ -23,7 +23,7 @@ double seconds_per_step(int links, Acceleration&& acceleration) {
   mechanics::Mechanism chain = make_mechanism({.links = links});
   VectorXd q = chain.initial_position(), v = chain.initial_velocity();
   for (int i = 0; i < links; ++i) v[3 * i + 2] = std::sin(i + 1.0);
-  chain.project(q, v);
+  chain.project(0.0, q, v);
   integrators::Integrator<VectorXd> integrator(integrators::Scheme::rk4, q);
   const auto of_state = [&](double, const VectorXd& q_now, const VectorXd& v_now, VectorXd& a) {
     acceleration(q_now, v_now, a);

@@ -406,7 +406,7 @@ TEST_CASE("full matrices have the same equation: the solver's, to rounding") {
       q[3 * i + 2] += 0.3 * i;
       v[3 * i + 2] = std::sin(i + 1.0);
     }
-    chain.project(q, v);
+    chain.project(0.0, q, v);
     chain.acceleration(0.0, q, v, a);
     full.acceleration(q, v, b);
     CHECK((a - b).norm() < 1e-12 * a.norm());

@@ -68,7 +68,8 @@ void Evaluation::analyse(const System& system) {
 
   F0_ = system.weights();
   for (VectorXd* x : {&a_, &F_, &q_}) x->setZero(F0_.size());
-  for (VectorXd* x : {&C_, &size_, &per_size_, &per_root_K_, &b_, &Jv_, &lambda_, &mu_, &x_})
+  for (VectorXd* x :
+       {&C_, &C_t_, &size_, &per_size_, &per_root_K_, &b_, &Cdot_, &lambda_, &mu_, &x_})
     x->setZero(layout_.rows);
   J_.setZero(layout_.size_of_J);
   revision_ = system.revision_;
@@ -172,9 +173,9 @@ double Evaluation::velocity_error(const VectorXd& v) const {
   checked();
   if (v.size() != a_.size())
     throw std::invalid_argument("v must have one entry for each coordinate");
-  VectorXd Jv = VectorXd::Zero(layout_.rows);
-  add_J(1, v, Jv);
-  return largest(Jv) + nan_of(a_) + nan_of(v);
+  VectorXd Cdot = C_t_;
+  add_J(1, v, Cdot);
+  return largest(Cdot) + nan_of(a_) + nan_of(v);
 }
 
 double Evaluation::distance() const {
@@ -240,7 +241,7 @@ Counts Evaluation::counts() const {
       .state_bytes = bytes(a_, a_),
       .workspace_bytes = bytes(things_.particles, things_.bodies, layout_.joints, layout_.J_blocks,
                                pairs_, layout_.M, layout_.W, F0_, F_, a_, q_, C_, size_, per_size_,
-                               per_root_K_, b_, Jv_, lambda_, mu_, x_, J_) +
+                               per_root_K_, b_, Cdot_, lambda_, mu_, x_, J_) +
                          K_.bytes()};
 }
 

@@ -102,7 +102,10 @@ class Evaluation {
     return all + undetermined(joint, thing.column);
   }
 
-  /// The largest |C| of all rows, each in its own unit; the largest |J v| there.
+  /// The power (W) that joints which depend on time put in, -lambda . C_t: all others do no work.
+  double power() const { return -checked().lambda_.dot(C_t_); }
+
+  /// The largest |C| of all rows, each in its own unit; the largest |J v + C_t| there.
   double constraint_error() const;
   double velocity_error(const VectorXd& v) const;
   /// sqrt(C^T K^-1 C), the distance to the constraints in the mass metric (m sqrt(kg)).
@@ -168,8 +171,9 @@ class Evaluation {
   void add_Jt(const VectorXd& y, VectorXd& x) const;
   void factor(double damping = 0);
   JointPlace place(const JointInfo& joint) {
-    return {C_.data() + joint.row, size_.data() + joint.row, Jv_.data() + joint.row,
-            b_.data() + joint.row, K_.K().data() + joint.K,  J_.data() + joint.J};
+    return {C_.data() + joint.row,   size_.data() + joint.row, Cdot_.data() + joint.row,
+            C_t_.data() + joint.row, b_.data() + joint.row,    K_.K().data() + joint.K,
+            J_.data() + joint.J};
   }
 
   void find_weak_rows();
@@ -212,8 +216,8 @@ class Evaluation {
   bool solved_ = false;    // all is that of one state
   int dof_ = 0;            // of all things; 0 where they differ
 
-  VectorXd a_, F0_, F_, q_;                                               // one entry a coordinate
-  VectorXd C_, size_, per_size_, per_root_K_, b_, Jv_, lambda_, mu_, x_;  // one entry a row
+  VectorXd a_, F0_, F_, q_;  // one entry a coordinate
+  VectorXd C_, C_t_, size_, per_size_, per_root_K_, b_, Cdot_, lambda_, mu_, x_;  // one entry a row
   VectorXd J_;  // the blocks of J, one behind the other
 };
 

@@ -42,35 +42,51 @@ struct Things {
   const Body& operator[](Handle<Body> b) const { return bodies[std::size_t(b.index)].thing; }
 };
 
-/// Where a joint writes its part of equation 1: its rows of C, of the sizes of C's terms, of J v
-/// and of b = -Jdot_v - J W F, its diagonal block of J W J^T, and its blocks J1, J2 one behind the
+/// Where a joint writes its part of equation 1: its rows of C, of the sizes of C's terms, of
+/// Cdot = J v + C_t, of C_t, which nobody writes but joints that depend on time, and of
+/// b = -Jdot_v - C_tt - J W F, its diagonal block of J W J^T, and its blocks J1, J2 one behind the
 /// other, each column by column.
 struct JointPlace {
-  double *C, *size, *Jv, *b, *JWJt, *J;
+  double *C, *size, *Cdot, *C_t, *b, *JWJt, *J;
 };
 
 /// A joint whose types and sizes are forgotten.
 struct AnyJoint {
   virtual ~AnyJoint() = default;
   /// Writes C, J, b and JWJt. W and a = W F have an entry for each coordinate.
-  virtual void equation(const Things&, const VectorXd& W, const VectorXd& a,
+  virtual void equation(double t, const Things&, const VectorXd& W, const VectorXd& a,
                         const JointPlace& place) const = 0;
-  /// Writes C, its sizes, J v and J.
-  virtual void constraint(const Things&, const VectorXd& v, const JointPlace& place) const = 0;
+  /// Writes C, its sizes, Cdot and J.
+  virtual void constraint(double t, const Things&, const VectorXd& v,
+                          const JointPlace& place) const = 0;
 };
+
+/// The rows of a joint, which asks for the time if its constraint depends on it.
+template <class Joint, class First, class Second>
+auto rows_of(const Joint& joint, double t, const First& first, const Second& second) {
+  if constexpr (requires { joint.rows(t, first, second); })
+    return joint.rows(t, first, second);
+  else
+    return joint.rows(first, second);
+}
 
 template <class Joint, class First, class Second>
 struct JointOf final : AnyJoint {
-  using Rows = decltype(std::declval<Joint>().rows(First(), Second()));
+  using Rows = decltype(rows_of(std::declval<Joint>(), 0.0, First(), Second()));
   static constexpr int r = Rows::r;
+  static constexpr bool depends_on_time =
+      requires(const Joint& j, const First& f, const Second& s) {
+    j.rows(0.0, f, s);
+  };
 
   JointOf(Joint j, Handle<First> f, Handle<Second> s) : joint(std::move(j)), first(f), second(s) {}
 
   // [equation]
-  void equation(const Things& things, const VectorXd& W, const VectorXd& a,
+  void equation(double t, const Things& things, const VectorXd& W, const VectorXd& a,
                 const JointPlace& place) const override {
-    const Rows rows = joint.rows(things[first], things[second]);
+    const Rows rows = rows_of(joint, t, things[first], things[second]);
     Eigen::Vector<double, r> b = -rows.Jdot_v;
+    if constexpr (depends_on_time) b -= rows.C_tt;
     Eigen::Matrix<double, r, r> JWJt = Eigen::Matrix<double, r, r>::Zero();
     const auto add = [&](const auto& J, int column) {
       constexpr int dof = std::decay_t<decltype(J)>::ColsAtCompileTime;
@@ -86,13 +102,14 @@ struct JointOf final : AnyJoint {
     write_C_and_J(rows, place);
   }
   // [equation]
-  void constraint(const Things& things, const VectorXd& v, const JointPlace& place) const override {
-    const Rows rows = joint.rows(things[first], things[second]);
-    Eigen::Vector<double, r> Jv = Eigen::Vector<double, r>::Zero();
-    if constexpr (First::dof > 0) Jv += rows.J1.lazyProduct(part(v, first));
-    if constexpr (Second::dof > 0) Jv += rows.J2.lazyProduct(part(v, second));
+  void constraint(double t, const Things& things, const VectorXd& v,
+                  const JointPlace& place) const override {
+    const Rows rows = rows_of(joint, t, things[first], things[second]);
+    Eigen::Vector<double, r> Cdot = rows.C_t;
+    if constexpr (First::dof > 0) Cdot += rows.J1.lazyProduct(part(v, first));
+    if constexpr (Second::dof > 0) Cdot += rows.J2.lazyProduct(part(v, second));
     Block<r, 1>{place.size} = rows.size;
-    Block<r, 1>{place.Jv} = Jv;
+    Block<r, 1>{place.Cdot} = Cdot;
     write_C_and_J(rows, place);
   }
 
@@ -102,6 +119,7 @@ struct JointOf final : AnyJoint {
   }
   static void write_C_and_J(const Rows& rows, const JointPlace& place) {
     Block<r, 1>{place.C} = rows.C;
+    if constexpr (depends_on_time) Block<r, 1>{place.C_t} = rows.C_t;
     if constexpr (First::dof > 0) Block<r, First::dof>{place.J} = rows.J1;
     constexpr int size_of_J1 = r * First::dof;
     if constexpr (Second::dof > 0) Block<r, Second::dof>{place.J + size_of_J1} = rows.J2;

@@ -62,37 +62,38 @@ void Evaluation::correct(const VectorXd& error, VectorXd& x) {
 
 // The factor of K where it is not known yet, in the state that was looked at last. Nobody asks for
 // b.
-void System::factor_here(Evaluation& e, double damping) const {
-  find_equation(e);
+void System::factor_here(double t, Evaluation& e, double damping) const {
+  find_equation(t, e);
   e.factor(damping);
 }
 
-// Needs J and J v at q, v, and a factor of K from near them; one from q itself is made when that is
-// not enough. J v of a row is compared, through sqrt(K_kk), with the velocity in the mass metric.
-bool System::project_velocities(VectorXd& v, Evaluation& e) const {
+// Needs J and Cdot at t, q, v, and a factor of K from near them; one from q itself is made when
+// that is not enough. Cdot of a row is compared, through sqrt(K_kk), with the velocity in the mass
+// metric.
+bool System::project_velocities(double t, VectorXd& v, Evaluation& e) const {
   const double before = kinetic_energy(v);
   for (int pass = 1;;
        ++pass) {  // one is always made: in this metric a light thing's error is small
-    e.correct(e.Jv_, v);
-    e.Jv_.setZero();
-    e.add_J(1, v, e.Jv_);
+    e.correct(e.Cdot_, v);
+    e.Cdot_ = e.C_t_;
+    e.add_J(1, v, e.Cdot_);
     const double rounding = epsilon * std::sqrt(2 * kinetic_energy(v));
-    const double error = e.residual(e.Jv_);
+    const double error = e.residual(e.Cdot_);
     if (error <= rounding) return true;
     if (pass == 3)  // of a scene that is brought to rest, the rounding of what it had
       return error <= (e.nearly_dependent_rows() > 0 ? 1e-8 : e.tolerance()) *
                           std::sqrt(2 * std::max(kinetic_energy(v), before));
-    if (pass == 1) factor_here(e);
+    if (pass == 1) factor_here(t, e);
   }
 }
 
-Projection System::project(double, VectorXd& q, VectorXd& v, Evaluation& e) const {
-  find_constraint(q, v, e);
+Projection System::project(double t, VectorXd& q, VectorXd& v, Evaluation& e) const {
+  find_constraint(t, q, v, e);
   // One factor serves all steps: that of the acceleration before, from very near q, or else one
   // from q itself. It is renewed when they converge slowly; when that does not help either, C is at
   // its rounding or cannot be closed.
   bool renewed = !e.factored_;
-  if (renewed) factor_here(e);
+  if (renewed) factor_here(t, e);
   e.find_metric();
   e.measure_rounding(e.residual(e.C_));
   e.q_ = q;
@@ -101,16 +102,16 @@ Projection System::project(double, VectorXd& q, VectorXd& v, Evaluation& e) cons
   int steps = 0;
   for (; error > epsilon && steps < 12; ++steps) {
     e.correct(e.C_, q);
-    find_constraint(q, v, e);
+    find_constraint(t, q, v, e);
     const double before = std::exchange(error, e.relative_error());
     if (renewed && !(error < before / 2)) break;
     renewed = !(error < before / 100);
     if (renewed && steps == 0) {  // from further away than was thought
       q = e.q_;
-      find_constraint(q, v, e);
+      find_constraint(t, q, v, e);
       error = before;
     }
-    if (renewed) factor_here(e);
+    if (renewed) factor_here(t, e);
   }
   if (!(error <= error_before) || !e.C_.allFinite()) {
     q = e.q_;
@@ -118,24 +119,24 @@ Projection System::project(double, VectorXd& q, VectorXd& v, Evaluation& e) cons
   }
   // A row whose own terms vanish for a moment, as at the origin, has the rounding of its
   // neighbours.
-  const bool converged = project_velocities(v, e);
+  const bool converged = project_velocities(t, v, e);
   return {converged &&
               (error <= e.tolerance() || e.residual(e.C_) <= e.tolerance() * e.residual(e.size_)) &&
               q.allFinite() && v.allFinite(),
           steps};
 }
 
-Assembly System::assemble(double, VectorXd& q, VectorXd& v) const {
+Assembly System::assemble(double t, VectorXd& q, VectorXd& v) const {
   Evaluation e(*this);
   check_lengths(q, v);
   if (!q.allFinite() || !v.allFinite())
     throw AssemblyError("cannot assemble: q and v must be finite");
   constexpr double closed = 64 * epsilon;
   VectorXd best = q, trial = q, C_best;
-  find_constraint(q, v, e);
+  find_constraint(t, q, v, e);
   Assembly report{};
   report.C_before = largest(e.C_);
-  factor_here(e);
+  factor_here(t, e);
   e.find_metric();
   const double start = e.residual(e.C_);
 
@@ -146,15 +147,15 @@ Assembly System::assemble(double, VectorXd& q, VectorXd& v) const {
   report.projected = e.relative_error() > closed;
   double damping = 0;
   for (int step = 0; report.projected && step < 300 && damping < 1e9; ++step) {
-    find_constraint(best, v, e);
+    find_constraint(t, best, v, e);
     e.measure_rounding(std::min(start, e.residual(e.size_)));
     if (e.relative_error() <= epsilon) break;
-    factor_here(e, damping);
+    factor_here(t, e, damping);
     e.find_metric();
     C_best = e.C_;
     trial = best;
     e.correct(e.C_, trial);
-    find_constraint(trial, v, e);
+    find_constraint(t, trial, v, e);
     if (e.C_.cwiseProduct(e.per_root_K_).stableNorm() <
         C_best.cwiseProduct(e.per_root_K_).stableNorm()) {
       best = trial;
@@ -164,7 +165,7 @@ Assembly System::assemble(double, VectorXd& q, VectorXd& v) const {
     }
   }
 
-  find_constraint(best, v, e);
+  find_constraint(t, best, v, e);
   e.measure_rounding(std::min(start, e.residual(e.size_)));
   if (!(e.relative_error() <= closed) || !e.C_.allFinite()) {
     Eigen::Index worst = 0;
@@ -174,10 +175,10 @@ Assembly System::assemble(double, VectorXd& q, VectorXd& v) const {
   e.check_closed();
   report.moved = largest(best - q);
   q = best;
-  factor_here(e);  // at q; what follows leaves the factor alone
+  factor_here(t, e);  // at q; what follows leaves the factor alone
   e.find_metric();
-  report.Jv_before = largest(e.Jv_);
-  project_velocities(v, e);
+  report.Jv_before = largest(e.Cdot_);
+  project_velocities(t, v, e);
   return report;
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::MatrixXd;
 
-/// The rows of J v = 0 and v_i = given: dense, since this is set-up.
+/// The rows of J v = -C_t and v_i = given: dense, since this is set-up.
 struct Equations {
   MatrixXd A;
   VectorXd b;
@@ -84,7 +84,7 @@ VectorXd System::start_rates(const VectorXd& q, const std::vector<Rate>& given) 
   if (!q.allFinite()) throw AssemblyError("cannot start: q must be finite");
   Evaluation e(*this);
   evaluate(0, q, VectorXd::Zero(q.size()), e);
-  Equations equations{e.jacobian(), VectorXd::Zero(layout_.rows)};
+  Equations equations{e.jacobian(), -e.C_t_};
   VectorXd v;
   for (const Rate& rate : given) {
     check("start_rates", JointHandle{0, rate.system});
@@ -113,7 +113,7 @@ VectorXd System::start_rates(const VectorXd& q, const std::vector<Rate>& given) 
     return v;
   }
   // The first that does not go with those before it.
-  equations = {e.jacobian(), VectorXd::Zero(layout_.rows)};
+  equations = {e.jacobian(), -e.C_t_};
   for (const Rate& rate : given) {
     equations.add(rate.column + rate.coordinate, rate.value);
     if (solve(equations, layout_.M, v)) continue;

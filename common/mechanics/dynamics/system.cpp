@@ -198,17 +198,17 @@ void System::find_forces(double t, Evaluation& e) const {
 }
 
 // All that concerns each joint alone, with a_ = W F: C, J, b and the diagonal blocks of K.
-void System::find_equation(Evaluation& e) const {
+void System::find_equation(double t, Evaluation& e) const {
   e.K_.K().setZero();
   for (std::size_t i = 0; i < joints_.size(); ++i)
-    joints_[i]->equation(e.things_, layout_.W, e.a_, e.place(e.layout_.joints[i]));
+    joints_[i]->equation(t, e.things_, layout_.W, e.a_, e.place(e.layout_.joints[i]));
 }
 
-// C, its sizes, J and J v in state q, v.
-void System::find_constraint(const VectorXd& q, const VectorXd& v, Evaluation& e) const {
+// C, its sizes, J and Cdot at time t in state q, v.
+void System::find_constraint(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
   enter(q, v, e);
   for (std::size_t i = 0; i < joints_.size(); ++i)
-    joints_[i]->constraint(e.things_, v, e.place(e.layout_.joints[i]));
+    joints_[i]->constraint(t, e.things_, v, e.place(e.layout_.joints[i]));
 }
 
 // All of equation 1 but the solution: F, a_ = W F, J, b and C, and the factor of K.
@@ -216,7 +216,7 @@ void System::set_up(double t, const VectorXd& q, const VectorXd& v, Evaluation& 
   enter(q, v, e);
   find_forces(t, e);
   e.a_ = layout_.W.cwiseProduct(e.F_);
-  find_equation(e);
+  find_equation(t, e);
   e.factor();
 }
 
@@ -231,7 +231,10 @@ void System::evaluate(double t, const VectorXd& q, const VectorXd& v, Evaluation
 void System::solve_for_a(const VectorXd& q, const VectorXd& v, Evaluation& e) const {
   e.lambda_.swap(e.b_);
   if (ks_ != 0) e.lambda_ -= ks_ * e.C_;
-  if (kd_ != 0) e.add_J(-kd_, v, e.lambda_);
+  if (kd_ != 0) {
+    e.lambda_ -= kd_ * e.C_t_;
+    e.add_J(-kd_, v, e.lambda_);
+  }
   e.solve(e.lambda_, e.F_);
   e.a_ = layout_.W.cwiseProduct(e.F_);
   if (e.nan_of_state_ != 0) e.a_ += 0 * q + 0 * v;

@@ -1,7 +1,9 @@
 // The global solver. It only organises: it knows where each thing's coordinates stand in q, puts
 // the rows of each joint where they belong, and solves equation 1,
 //
-//   (J W J^T) lambda = - Jdot_v - J W F - ks C - kd J v,      a = W (F + J^T lambda).
+//   (J W J^T) lambda = - Jdot_v - J W F - ks C - kd J v,      a = W (F + J^T lambda);
+//
+// for joints that depend on time with - C_tt beside - Jdot_v, and J v + C_t for J v.
 //
 // The way back onto the constraints stands in projection.cpp, rates to start with in
 // start_rates.cpp, what is asked of an evaluation in evaluation.cpp.
@@ -86,8 +88,9 @@ class System {
   Handle<Body> add_body(const std::string& name, double mass, double inertia, const Vector2d& x,
                         double theta = 0, const Vector2d& v = Vector2d::Zero(), double omega = 0);
 
-  /// Joins first to second. Any type is a joint that has rows(first, second), which returns the
-  /// Rows of these two things, and unit, which names the unit of each row of C. One that also has
+  /// Joins first to second. Any type is a joint that has rows(first, second), or, where its
+  /// constraint depends on time, rows(t, first, second), which returns the Rows of these two
+  /// things, and unit, which names the unit of each row of C. One that also has
   /// fault() says there what is wrong with its parameters, or nullptr. std::invalid_argument for
   /// that, for a name that another joint has, and for rows that cannot be computed at the start.
   template <class Joint, class First, class Second = World>
@@ -99,7 +102,7 @@ class System {
     check(name.c_str(), second);
     if constexpr (requires { joint.fault(); })
       if (const char* fault = joint.fault()) throw std::invalid_argument(name + ": " + fault);
-    const auto rows = joint.rows(at(first, q0_, v0_), at(second, q0_, v0_));
+    const auto rows = rows_of(joint, 0.0, at(first, q0_, v0_), at(second, q0_, v0_));
     Eigen::Matrix<double, Typed::r, First::dof + Second::dof> J;
     Eigen::Vector<double, First::dof + Second::dof> W;
     const auto side = [&](const auto& J_thing, int at, int column) {
@@ -110,6 +113,7 @@ class System {
     if constexpr (First::dof > 0) side(rows.J1, 0, first.column);
     if constexpr (Second::dof > 0) side(rows.J2, First::dof, second.column);
     check_rows(name, rows.C, rows.size, J, W);
+    depends_on_time_ |= Typed::depends_on_time;
     return add_joint(name, std::make_unique<Typed>(joint, first, second), Typed::r,
                      Joint::unit.data(), {first.column, First::dof}, {second.column, Second::dof});
   }
@@ -201,9 +205,9 @@ class System {
   void evaluate_on_constraints(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const;
 
   /// Brings q, then v, back onto the constraints at time t by the least change in the mass metric:
-  /// dq = -W J^T (J W J^T)^-1 C until C is rounding, then dv = -W J^T (J W J^T)^-1 J v. For states
-  /// that an integrator let drift. One that cannot be improved is left as it was. e lends its
-  /// storage, and its factor where it was evaluated near q.
+  /// dq = -W J^T (J W J^T)^-1 C until C is rounding, then dv = -W J^T (J W J^T)^-1 (J v + C_t), so
+  /// that J v = -C_t. For states that an integrator let drift. One that cannot be improved is left
+  /// as it was. e lends its storage, and its factor where it was evaluated near q.
   Projection project(double t, VectorXd& q, VectorXd& v, Evaluation& e) const;
 
   /// Closes the joints before the first step, from further away than project() can: q, then v.
@@ -212,11 +216,11 @@ class System {
   /// less.
   Assembly assemble(double t, VectorXd& q, VectorXd& v) const;
 
-  /// The velocities at q that have the given rates and keep the joints, J v = 0: where that leaves
-  /// a choice, those of the least kinetic energy. So {{wheel, 2, 10}} turns a crank and all that
-  /// follows it. Redundant joints and rates do no harm. AssemblyError, which names the first thing
-  /// whose rate cannot be had, and in a singular pose for rates that do not say which way it is
-  /// left. Dense: for set-up.
+  /// The velocities at q that have the given rates and keep the joints, J v = -C_t at time 0: where
+  /// that leaves a choice, those of the least kinetic energy. So {{wheel, 2, 10}} turns a crank and
+  /// all that follows it. Redundant joints and rates do no harm. AssemblyError, which names the
+  /// first thing whose rate cannot be had, and in a singular pose for rates that do not say which
+  /// way it is left. Dense: for set-up.
   VectorXd start_rates(const VectorXd& q, const std::vector<Rate>& given) const;
 
   /// Kinetic energy, and potential energy of gravity and of the laws that gave one (J).
@@ -226,7 +230,7 @@ class System {
   double kinetic_energy(const VectorXd& v) const;
   /// The applied forces (N, N m), one entry for each coordinate.
   VectorXd forces(double t, const VectorXd& q, const VectorXd& v) const;
-  /// Of such forces: sqrt(F^T W F) (N/sqrt(kg)), the rate at which sqrt(2 T) grows at most, since
+  /// Of such forces: sqrt(F^T W F) (N/sqrt(kg)), the rate at which sqrt(2 T) grows at most where
   /// constraint forces do no work; their sizes added up (N), a moment as the force at its body's
   /// radius.
   double drive(const VectorXd& F) const;
@@ -246,6 +250,8 @@ class System {
   }
 
   int rows() const { return layout_.rows; }
+  /// Whether a joint does: it moves things by itself, and does work.
+  bool depends_on_time() const { return depends_on_time_; }
   const std::vector<ThingInfo>& things() const { return layout_.things; }
 
  private:
@@ -302,16 +308,16 @@ class System {
   VectorXd weights() const;
   void enter(const VectorXd& q, const VectorXd& v, Evaluation& e) const;
   void find_forces(double t, Evaluation& e) const;
-  void find_equation(Evaluation& e) const;
-  void find_constraint(const VectorXd& q, const VectorXd& v, Evaluation& e) const;
+  void find_equation(double t, Evaluation& e) const;
+  void find_constraint(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const;
   void set_up(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const;
   void solve_for_a(const VectorXd& q, const VectorXd& v, Evaluation& e) const;
   double speed(const VectorXd& v, const Evaluation& e) const;
   VectorXd times_along(const VectorXd& v, double far, double rest, const Evaluation& e) const;
   bool is_singular_pose(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const;
   bool find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const;
-  void factor_here(Evaluation& e, double damping = 0) const;
-  bool project_velocities(VectorXd& v, Evaluation& e) const;
+  void factor_here(double t, Evaluation& e, double damping = 0) const;
+  bool project_velocities(double t, VectorXd& v, Evaluation& e) const;
 
   Identity identity_;
   int revision_ = 1;  // counts what changes the storage of an evaluation
@@ -328,6 +334,7 @@ class System {
 
   Vector2d gravity_ = Vector2d::Zero();
   double ks_ = 0, kd_ = 0;
+  bool depends_on_time_ = false;
   VectorXd q0_, v0_, constant_;  // one entry a coordinate; constant_: the sum of the loads
 };
 

@@ -76,6 +76,8 @@ inline Point<Body> point(const Body& b, const Vector2d& u) {
 
 /// What a joint returns: r rows of the constraint and, for each of its two things, a block of J.
 /// Cdot = J1 v1 + J2 v2 and Cddot = J1 a1 + J2 a2 + Jdot_v, with v = (vx, vy, omega) of each thing.
+/// Where C depends on time besides, Cdot has C_t too, and Cddot C_tt: all else that it has,
+/// 2 dJ/dt v included.
 template <int rows, class First, class Second>
 struct Rows {
   static constexpr int r = rows;
@@ -85,6 +87,8 @@ struct Rows {
   Eigen::Matrix<double, r, Second::dof> J2;
   Eigen::Vector<double, r> Jdot_v;
   Eigen::Vector<double, r> size;  ///< size of the terms that C is the difference of, in C's units
+  Eigen::Vector<double, r> C_t = Eigen::Vector<double, r>::Zero();
+  Eigen::Vector<double, r> C_tt = Eigen::Vector<double, r>::Zero();
 };
 
 }  // namespace dynamics

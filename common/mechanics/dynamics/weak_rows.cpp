@@ -19,6 +19,17 @@
 #include "mechanics/dynamics/system.hpp"
 
 namespace dynamics {
+namespace {
+
+// Of times that are not 0.
+double shortest(const VectorXd& times) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const double time : times)
+    if (time > 0) shortest = std::min(shortest, time);
+  return shortest;
+}
+
+}  // namespace
 
 Evaluation::Geometry Evaluation::geometry() const {
   Geometry scene{VectorXd::Zero(layout_.rows), VectorXd::Zero(layout_.rows), 0};
@@ -236,8 +247,8 @@ void Evaluation::solve(VectorXd& b, VectorXd& F) {
 void System::evaluate_on_constraints(double t, const VectorXd& q, const VectorXd& v,
                                      Evaluation& e) const {
   // What feedback asks for, in the state that was given.
-  find_constraint(q, v, e);
-  const VectorXd C = e.C_, feedback = -ks_ * e.C_ - kd_ * e.Jv_;
+  find_constraint(t, q, v, e);
+  const VectorXd C = e.C_, feedback = -ks_ * e.C_ - kd_ * e.Cdot_;
 
   VectorXd q_on = q, v_on = v;
   project(t, q_on, v_on, e);
@@ -311,7 +322,8 @@ bool System::is_singular_pose(double t, const VectorXd& q, const VectorXd& v, Ev
   constexpr double far = 0.02, rest = 1e-9;
   VectorXd times = times_along(v, far, rest * speed(v, e), e);
   VectorXd step = times.cwiseProduct(v);
-  if (step.isZero(0)) {
+  const bool at_rest = step.isZero(0);
+  if (at_rest) {
     VectorXd u(v.size());
     for (Eigen::Index i = 0; i < u.size(); ++i) u[i] = std::cos(1.0 + static_cast<double>(i * i));
     const double all = speed(u, e);
@@ -322,7 +334,7 @@ bool System::is_singular_pose(double t, const VectorXd& q, const VectorXd& v, Ev
   }
   bool singular = false;
   if (!step.isZero(0)) {
-    set_up(t, q + step, v, e);
+    set_up(at_rest ? t : t + shortest(times), q + step, v, e);
     singular = dependent_rows() < dependent;
   }
   set_up(t, q, v, e);
@@ -345,9 +357,10 @@ bool System::find_limit(double t, const VectorXd& q, const VectorXd& v, Evaluati
   for (const auto& [s, weight] :
        {std::pair(-3, 0.05), {-2, -0.3}, {-1, 0.75}, {1, 0.75}, {2, -0.3}, {3, 0.05}}) {
     if (!passes) break;
+    const double t_s = t + s * shortest(times);
     VectorXd q_s = q + s * times.cwiseProduct(v), v_s = v;
-    const bool closed = project(t, q_s, v_s, e).converged;
-    set_up(t, q_s, v_s, e);
+    const bool closed = project(t_s, q_s, v_s, e).converged;
+    set_up(t_s, q_s, v_s, e);
     e.lambda_ = e.b_;
     e.solve(e.lambda_, e.F_);
     passes = closed && e.nearly_dependent_rows() < dependent;

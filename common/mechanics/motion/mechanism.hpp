@@ -35,6 +35,9 @@ class Mechanism {
   /// `dissipated` says, where they only take energy and q does not tell how much.
   std::function<double(const Vector& q)> work;
 
+  /// The times [s], in their order, at which a force or a C_tt jumps: a step ends there.
+  std::vector<double> jumps;
+
   explicit Mechanism(const mechanics::Method& method) : ks_(method.ks), kd_(method.kd) {
     system.set_feedback(method.ks, method.kd);
   }
@@ -100,8 +103,16 @@ class Mechanism {
   bool on_constraints() const { return on_constraints_; }
   void stay_on_constraints(bool stay) { on_constraints_ = stay; }
 
-  void project(Vector& q, Vector& v) {
-    if (!system.project(0.0, q, v, e_).converged) ++left_open_;
+  void project(double t, Vector& q, Vector& v) {
+    if (!system.project(t, q, v, e_).converged) ++left_open_;
+  }
+  /// Whether joints do work, and the power [W] that they put in, at the last acceleration.
+  bool is_driven() const { return system.depends_on_time(); }
+  double power() const { return e_.power(); }
+  /// The first of the jumps after t.
+  double next_jump(double t) const {
+    const auto next = std::upper_bound(jumps.begin(), jumps.end(), t);
+    return next == jumps.end() ? std::numeric_limits<double>::infinity() : *next;
   }
 
   mechanics::Measures measures(double t, const Vector& q, const Vector& v) {
@@ -115,13 +126,18 @@ class Mechanism {
             .speed = fastest(v),
             .opening = e_.opening(),
             .load = system.load(F),
-            .drive = system.drive(F)};
+            .drive = system.drive(F),
+            .power = e_.power()};
   }
+  /// Of a driven scene no less than that with constraints, which may be all that there is.
   double free_acceleration(double t, const Vector& q, const Vector& v) {
-    return system.W().cwiseProduct(system.forces(t, q, v)).norm();
+    const double free = system.W().cwiseProduct(system.forces(t, q, v)).norm();
+    if (!is_driven()) return free;
+    system.evaluate(t, q, v, e_);
+    return std::max(free, e_.a().norm());
   }
-  double distance(const Vector& q) {
-    system.evaluate(0.0, q, v_, e_);
+  double distance(double t, const Vector& q) {
+    system.evaluate(t, q, v_, e_);
     return e_.distance();
   }
   /// A body as the disc about its centre that a uniform rod or rectangle of its inertia just fits.

@@ -23,7 +23,7 @@ namespace mechanics {
 struct Measures {
   double energy;            ///< kinetic and potential [J]
   double constraint_error;  ///< largest |C|, in the unit of C
-  double velocity_error;    ///< largest |J v|
+  double velocity_error;    ///< largest |J v + C_t|
   double work = 0.0;     ///< done by loads that have no potential [J]; not a number where they only
                          ///< take energy and the state does not tell how much, as with a damper
   double kinetic;        ///< [J]
@@ -31,6 +31,7 @@ struct Measures {
   double opening = 0.0;  ///< the way that brings the joint that is furthest open back together [m]
   double load = 0.0;     ///< the sizes of all applied forces added up [N]
   double drive;  ///< √(FᵀWF) of the applied forces: how fast √(2·kinetic) grows at most [N/√kg]
+  double power = 0.0;  ///< that joints which depend on time put in [W]; their work is in `work`
 
   /// What stays constant in an exact motion [J]; not a number where there is no such thing.
   double balance() const { return energy - work; }
@@ -154,7 +155,8 @@ double norm(const Vector& values) {
 }
 
 /// A model is a state (q, v) of some vector type and its acceleration. One with constraints may
-/// have a way back onto them, project(q, v), and know its distance(q).
+/// have a way back onto them, project(t, q, v), and know its distance(t, q). One whose joints do
+/// work tells their power(), and one whose acceleration jumps, its next_jump(t).
 template <class M>
 concept Model = requires(M model, typename M::Vector& q, typename M::Vector& v, Row& row,
                          Reach& reach) {
@@ -170,6 +172,13 @@ concept Model = requires(M model, typename M::Vector& q, typename M::Vector& v, 
   model.observe(0.0, q, v, row);  // after measures() there: fills row.state and row.reactions
 };
 
+/// A model that may have joints which do work.
+template <class M>
+concept Driven = requires(M model) {
+  { model.is_driven() } -> std::same_as<bool>;
+  { model.power() } -> std::same_as<double>;
+};
+
 /// A model in motion: the one loop of the tutorial.
 template <Model M>
 class Motion final : public Simulation {
@@ -178,7 +187,7 @@ class Motion final : public Simulation {
 
   Motion(M model, const Method& method)
       : model_(std::move(model)),
-        integrator_(method.integrator, model_.initial_position(), method.tolerance,
+        integrator_(method.integrator, like(), method.tolerance,
                     epsilon * model_.free_acceleration(0.0, model_.initial_position(),
                                                        model_.initial_velocity())),
         method_(method) {
@@ -189,7 +198,7 @@ class Motion final : public Simulation {
     q_ = model_.initial_position();
     v_ = model_.initial_velocity();
     integrator_.restart();
-    t_ = t_anchor_ = h_ = 0.0;
+    t_ = t_anchor_ = h_ = work_ = 0.0;
     shortest_step_ = std::numeric_limits<double>::infinity();
     intervals_since_anchor_ = steps_ = evaluations_ = 0;
   }
@@ -199,16 +208,18 @@ class Motion final : public Simulation {
     if (h != h_) anchor(h);
     const auto acceleration = [this](double t, const Vector& q, const Vector& v, Vector& a) {
       ++evaluations_;
-      model_.acceleration(t, q, v, a);
+      model_.acceleration(std::min(t, latest_), q, v, a);
     };
     for (long i = 0; i < steps; ++i) {
       const double end = t_anchor_ + static_cast<double>(++intervals_since_anchor_) * h;
       if (method_.tolerance > 0.0) begin_interval(h);
       for (double rest = h; rest > 0.0;) {
-        rest -= take_step(acceleration, rest);
-        if constexpr (requires { model_.project(q_, v_); })
-          if (projected()) model_.project(q_, v_);
-        t_ = end - rest;
+        const double jump = next_jump();
+        const double part = std::min(rest, jump - t_), taken = take_step(acceleration, part);
+        rest = part < rest && taken == part ? end - jump : rest - taken;
+        t_ = part < rest && taken == part ? jump : end - rest;
+        if constexpr (requires { model_.project(t_, q_, v_); })
+          if (projected()) model_.project(t_, q_, v_);
         if (!is_finite(q_) || !is_finite(v_))
           throw Diverged(at(t_) + first_not_finite() + " is no longer finite");
         if (rest > 0.0) look_inside_interval(h);
@@ -230,6 +241,7 @@ class Motion final : public Simulation {
     q_ = motion.q_;
     v_ = motion.v_;
     t_ = motion.t_;
+    work_ = motion.work_;
     h_ = 0.0;  // the next step counts its time from here
   }
 
@@ -243,10 +255,14 @@ class Motion final : public Simulation {
   double state_size() const override { return norm(q_); }
   const Method& method() const override { return method_; }
   double step() const override { return h_; }
-  Measures measures() override { return model_.measures(t_, q_, v_); }
+  Measures measures() override {
+    Measures measures = model_.measures(t_, q_, v_);
+    measures.work += work_;
+    return measures;
+  }
   double distance() override {
-    if constexpr (requires { model_.distance(q_); })
-      return model_.distance(q_);
+    if constexpr (requires { model_.distance(t_, q_); })
+      return model_.distance(t_, q_);
     else
       return 0.0;
   }
@@ -257,7 +273,7 @@ class Motion final : public Simulation {
     Vector a = q_;
     model_.acceleration(t_, q_, v_, a);
     Uses uses = model_.uses();
-    if constexpr (requires { model_.project(q_, v_); })
+    if constexpr (requires { model_.project(t_, q_, v_); })
       if (!projected()) uses.left_out.push_back("projection");
     return uses;
   }
@@ -313,7 +329,7 @@ class Motion final : public Simulation {
       if constexpr (requires { model_.on_constraints(); })
         taken = step_of_one_kind(acceleration, h);
       else
-        taken = integrator_.step(acceleration, t_, q_, v_, h);
+        taken = integrate(acceleration, h);
       if (taken < h) shortest_step_ = std::min(shortest_step_, taken);
       return taken;
     } catch (const integrators::NoStep& reason) {
@@ -336,13 +352,63 @@ class Motion final : public Simulation {
     };
     double taken;
     try {
-      taken = integrator_.step(checked, t_, q_, v_, h);
+      taken = integrate(checked, h);
     } catch (const Again&) {
       model_.stay_on_constraints(true);
-      taken = integrator_.step(checked, t_, q_, v_, h);
+      taken = integrate(checked, h);
     }
     model_.stay_on_constraints(needed);
     return taken;
+  }
+
+  /// One step of the integrator. Where joints do work it is integrated as a last entry of the
+  /// state, v's, with their power as its acceleration: by the same method, and scaled so far down
+  /// that a tolerance does not see it.
+  template <class Acceleration>
+  double integrate(Acceleration& acceleration, double h) {
+    if constexpr (Driven<M>) {
+      if (model_.is_driven()) {
+        constexpr double scale = 0x1p-40;
+        const Eigen::Index n = q_.size();
+        Vector &x = stage_[0], &x_dot = stage_[1], &q = stage_[2], &v = stage_[3], &a = stage_[4];
+        x << q_, 0.0;
+        x_dot << v_, 0.0;
+        const auto with_power = [&](double t, const Vector& x_t, const Vector& x_dot_t,
+                                    Vector& x_ddot) {
+          q = x_t.head(n);
+          v = x_dot_t.head(n);
+          acceleration(t, q, v, a);
+          x_ddot << a, scale * model_.power();
+        };
+        const double taken = integrator_.step(with_power, t_, x, x_dot, h);
+        q_ = x.head(n);
+        v_ = x_dot.head(n);
+        work_ += x_dot[n] / scale;
+        return taken;
+      }
+    }
+    return integrator_.step(acceleration, t_, q_, v_, h);
+  }
+
+  /// A vector of the size that the integrator works with.
+  Vector like() {
+    Vector like = model_.initial_position();
+    if constexpr (Driven<M>)
+      if (model_.is_driven()) {
+        stage_.fill(like);
+        like.conservativeResize(like.size() + 1);
+        stage_[0] = stage_[1] = like;
+      }
+    return like;
+  }
+
+  /// When the acceleration jumps next. Until then it is asked for before that, a rounding earlier
+  /// where a step ends there; a step that begins there asks for it behind.
+  double next_jump() {
+    double jump = std::numeric_limits<double>::infinity();
+    if constexpr (requires { model_.next_jump(t_); }) jump = model_.next_jump(t_);
+    latest_ = jump < std::numeric_limits<double>::infinity() ? std::nextafter(jump, -jump) : jump;
+    return jump;
   }
 
   /// The name of the first such entry of the state.
@@ -362,10 +428,12 @@ class Motion final : public Simulation {
   }
 
   M model_;
+  std::array<Vector, 5> stage_{};  ///< with work: q, v; without: q, v, a of a stage
   integrators::Integrator<Vector> integrator_;
   Method method_;
   Vector q_, v_;
-  double t_, t_anchor_, h_, shortest_step_;
+  double t_, t_anchor_, h_, shortest_step_, latest_ = std::numeric_limits<double>::infinity();
+  double work_;  ///< of joints that depend on time [J]
   long intervals_since_anchor_, steps_, evaluations_;
   std::weak_ptr<const std::function<void()>> look_;
   double pace_t_ = 0.0;  ///< where and when the pace was looked at last

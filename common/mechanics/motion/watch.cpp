@@ -124,6 +124,8 @@ void Watch::look(const Measures& now) {
       balance_ = now.kept();
   }
   speed_ += (t - t_) * std::max(last_.drive, now.drive);
+  if (const double power = std::max(std::abs(last_.power), std::abs(now.power)); power > 0)
+    speed_ = std::sqrt(speed_ * speed_ + 2 * (t - t_) * power);
   t_ = t;
   last_ = now;
   stop_unstable_feedback();

@@ -50,7 +50,8 @@ struct Verdict {
 ///
 ///     √(2T) ≤ √(2T₀) + ∫ √(FᵀWF) dt + what feedback can make of the constraint error at the start
 ///
-/// with the applied forces F alone: a bound without any threshold in metres or joules. A run whose
+/// with the applied forces F alone: a bound without any threshold in metres or joules. Of joints
+/// that depend on time, T may grow by their power besides, ∫ |λ·C_t| dt. A run whose
 /// kinetic energy is twice what this allows is no longer a motion of the scene.
 ///
 /// *Verdict.* A run is far from right when more than 1 % is wrong of

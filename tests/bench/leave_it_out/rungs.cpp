@@ -40,7 +40,7 @@ Rung make_rung(std::string name, std::shared_ptr<Form> form, const Vector& q0, c
 std::pair<Vector, Vector> start(mechanics::Mechanism& mechanism) {
   Vector q = mechanism.initial_position(), v = mechanism.initial_velocity();
   for (Eigen::Index i = 0; 3 * i < q.size(); ++i) v[3 * i + 2] = std::sin(double(i) + 1.0);
-  mechanism.project(q, v);
+  mechanism.project(0.0, q, v);
   return {q, v};
 }
 
@@ -58,7 +58,7 @@ Rung blocks(std::string name, mechanics::Mechanism mechanism, Projected projecte
   const auto [q, v] = start(form->mechanism);
   const int rows = form->mechanism.system.rows();
   return make_rung(std::move(name), form, q, v, rows, [=](Blocks& f, Vector& q_now, Vector& v_now) {
-    if (projected == Projected::yes) f.mechanism.project(q_now, v_now);
+    if (projected == Projected::yes) f.mechanism.project(0.0, q_now, v_now);
   });
 }
 

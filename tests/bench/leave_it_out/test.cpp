@@ -17,7 +17,7 @@ TEST_CASE("every rung has the same equation: the solver's, to rounding") {
     Vector q = mechanism.initial_position(), v = mechanism.initial_velocity();
     const Eigen::Index n = q.size();
     for (Eigen::Index i = 0; i < n; ++i) v[i] = uniform(random);
-    mechanism.project(q, v);
+    mechanism.project(0.0, q, v);
     Vector a = v;
     mechanism.acceleration(0.0, q, v, a);
     for (const bool ground : {true, false})

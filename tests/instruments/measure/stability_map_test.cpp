@@ -69,10 +69,10 @@ TEST_CASE("distance to the constraints: what the least push in the mass metric h
   Mechanism mechanism = rod({});
   Eigen::VectorXd q = mechanism.initial_position();
   q[0] += 0.01;
-  CHECK(mechanism.distance(q) == Approx(0.01).epsilon(1e-12));
+  CHECK(mechanism.distance(0.0, q) == Approx(0.01).epsilon(1e-12));
   q[0] -= 0.01;
   q[1] += 0.01;
-  CHECK(mechanism.distance(q) == Approx(0.005).epsilon(1e-12));
+  CHECK(mechanism.distance(0.0, q) == Approx(0.005).epsilon(1e-12));
 }
 
 TEST_CASE("a run that diverges is noticed: when, where, by which measure") {
