@@ -5,8 +5,9 @@
 //
 // for joints that depend on time with - C_tt beside - Jdot_v, and J v + C_t for J v.
 //
-// The way back onto the constraints stands in projection.cpp, rates to start with in
-// start_rates.cpp, what is asked of an evaluation in evaluation.cpp.
+// Forces stand in forces.cpp, rows that nearly depend on others in weak_rows.cpp, the way back onto
+// the constraints in projection.cpp, rates to start with in start_rates.cpp, what is asked of an
+// evaluation in evaluation.cpp.
 #pragma once
 
 #include <atomic>
