@@ -376,6 +376,28 @@ TEST_CASE("rod = crank, loaded: the error falls with the step and stays down") {
 }
 
 TEST_CASE(
+    "rod = crank, adaptive: with projection the tolerance is kept, without it that is the advice") {
+  for (const double omega : {0.0, 2.0, 5.0})
+    for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
+      INFO("omega " << omega << ", tolerance " << tolerance);
+      Motion crank =
+          motion({.crank = 0.3, .rod = 0.3, .omega0 = omega},
+                 {integrators::Scheme::dop853, Stabilization::projection, 0, 0, tolerance});
+      crank.advance(1, 3.0);
+      CHECK(slider_crank::errors({.crank = 0.3, .rod = 0.3, .omega0 = omega}, crank.columns(),
+                                 crank.row())[0] < 100 * tolerance);
+    }
+  for (const std::string omega : {"2", "5"}) {
+    const std::string said = printed_by(
+        "07_slider_crank run --rod 0.3 --duration 3 --integrator dop853 "
+        "--tolerance 1e-8 --omega0 " +
+        omega + " 2>&1 >/dev/null");
+    CHECK_THAT(said, ContainsSubstring("the tolerance of 1e-08 was not kept") &&
+                         ContainsSubstring("; try --stabilization projection\n"));
+  }
+}
+
+TEST_CASE(
     "normal equations lose twice the digits, an orthogonal factor as many as the pose costs") {
   std::istringstream table(printed_by("07_slider_crank_squared"));
   std::string header;

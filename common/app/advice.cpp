@@ -47,6 +47,9 @@ std::string advice(const Chapter& chapter, const measure::RunOptions& run,
   const mechanics::Method& method = run.method;
   const bool feedback = method.stabilization == mechanics::Stabilization::feedback;
   const double shortest = run.duration / mechanics::most_steps;
+  const char* const projection = feedback ? "--stabilization projection in place of --ks and --kd"
+                                          : "--stabilization projection";
+  if (trouble == mechanics::Trouble::singular) return projection;
   std::vector<std::string> ways;
   if (const auto limit = limit_of_feedback(run)) {
     if (*limit > shortest) ways.push_back(fmt::format("a --step of {:.3g} s or less", *limit));
@@ -62,8 +65,7 @@ std::string advice(const Chapter& chapter, const measure::RunOptions& run,
   }
   if (chapter.has_constraints && trouble != mechanics::Trouble::late &&
       method.stabilization != mechanics::Stabilization::projection)
-    ways.emplace_back(feedback ? "--stabilization projection in place of --ks and --kd"
-                               : "--stabilization projection");
+    ways.emplace_back(projection);
   if (method.tolerance == 0.0) ways.emplace_back("another --integrator");
   if (ways.empty()) ways.emplace_back("a shorter --duration");
   std::string text = ways[0];

@@ -205,8 +205,14 @@ Finished run_to_the_end(const Chapter& chapter, const Request& request,
   finished.largest.energy_error = watch.largest_energy_error();  // counts from a closed start
   finished.verdict = measure::judge(watch, chapter.quantities, finished.errors);
   if (!finished.verdict.right()) {
-    const std::string text = fmt::format("{}; try {}", finished.verdict.text(),
-                                         advice(chapter, run, finished.verdict.trouble()));
+    // Past a pose without full rank a drift decides, and with shorter steps another one.
+    const bool drift_decided =
+        simulation.lost_rank() &&
+        run.method.stabilization != mechanics::Stabilization::projection &&
+        (run.method.tolerance > 0.0 || finished.verdict.trouble() == mechanics::Trouble::late);
+    const auto trouble = drift_decided ? mechanics::Trouble::singular : finished.verdict.trouble();
+    const std::string text =
+        fmt::format("{}; try {}", finished.verdict.text(), advice(chapter, run, trouble));
     if (request.strict) throw FarFromRight(text);
     say(fmt::format("warning: {}\n", text));
   }

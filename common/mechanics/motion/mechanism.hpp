@@ -90,6 +90,8 @@ class Mechanism {
     return notes;
   }
 
+  bool lost_rank() const { return !poses_.poses().empty(); }
+
   void acceleration(double t, const Vector& q, const Vector& v, Vector& a) {
     if (on_constraints_)
       system.evaluate_on_constraints(t, q, v, e_);

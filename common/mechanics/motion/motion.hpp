@@ -72,6 +72,7 @@ struct Uses {
 enum class Trouble {
   wrong,      ///< it is not, or no longer, a motion of the scene
   late,       ///< it is one, at another place than the exact answer
+  singular,   ///< its drift decided how it left a pose in which J loses rank
   tolerance,  ///< its tolerance asks for more than can be done
 };
 
@@ -140,6 +141,8 @@ class Simulation {
   /// What the user should know of the start, a line each: a state that had to be projected, for
   /// example.
   virtual std::vector<std::string> notes() const = 0;
+  /// Whether J has lost its rank for a moment on the way.
+  virtual bool lost_rank() const = 0;
 };
 
 inline bool is_finite(double value) { return std::isfinite(value); }
@@ -288,6 +291,13 @@ class Motion final : public Simulation {
       return model_.notes();
     else
       return {};
+  }
+
+  bool lost_rank() const override {
+    if constexpr (requires { model_.lost_rank(); })
+      return model_.lost_rank();
+    else
+      return false;
   }
 
   M& model() { return model_; }
