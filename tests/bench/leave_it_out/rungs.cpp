@@ -8,6 +8,7 @@
 
 #include "allocations.hpp"
 #include "instruments/measure/clock.hpp"
+#include "leave_it_out/by_hand.hpp"
 #include "leave_it_out/dense_form.hpp"
 #include "mechanics/integrators/rk4.hpp"
 #include "peers/mechanism.hpp"
@@ -18,20 +19,21 @@ namespace {
 using Vector = Eigen::VectorXd;
 constexpr double step = 1e-4;  // [s]
 
-/// Whatever has an acceleration(q, v, a), from a state on. `after` is called with the new state.
-template <class Form, class After>
-Rung make_rung(std::string name, std::shared_ptr<Form> form, const Vector& q0, const Vector& v0,
-               int rows, After after) {
-  struct State {
-    Vector q, v;
-    integrators::Rk4<Vector> rk4;
+/// Whatever has an acceleration(q, v, a), from a state on, of which q and v may be one number each.
+/// `after` is called with the new state.
+template <class Form, class State, class After>
+Rung make_rung(std::string name, std::shared_ptr<Form> form, const State& q0, const State& v0,
+               int coordinates, int rows, After after) {
+  struct Moving {
+    State q, v;
+    integrators::Rk4<State> rk4;
   };
-  auto state = std::make_shared<State>(State{q0, v0, integrators::Rk4<Vector>(q0)});
-  return {std::move(name), static_cast<int>(q0.size()), rows, [=] {
-            state->rk4.step([&](double, const Vector& q, const Vector& v,
-                                Vector& a) { form->acceleration(q, v, a); },
-                            0.0, state->q, state->v, step);
-            after(*form, state->q, state->v);
+  auto now = std::make_shared<Moving>(Moving{q0, v0, integrators::Rk4<State>(q0)});
+  return {std::move(name), coordinates, rows, [=] {
+            now->rk4.step([&](double, const State& q, const State& v,
+                              State& a) { form->acceleration(q, v, a); },
+                          0.0, now->q, now->v, step);
+            after(*form, now->q, now->v);
           }};
 }
 
@@ -57,9 +59,10 @@ Rung blocks(std::string name, mechanics::Mechanism mechanism, Projected projecte
   auto form = std::make_shared<Blocks>(Blocks{std::move(mechanism)});
   const auto [q, v] = start(form->mechanism);
   const int rows = form->mechanism.system.rows();
-  return make_rung(std::move(name), form, q, v, rows, [=](Blocks& f, Vector& q_now, Vector& v_now) {
-    if (projected == Projected::yes) f.mechanism.project(0.0, q_now, v_now);
-  });
+  return make_rung(std::move(name), form, q, v, static_cast<int>(q.size()), rows,
+                   [=](Blocks& f, Vector& q_now, Vector& v_now) {
+                     if (projected == Projected::yes) f.mechanism.project(0.0, q_now, v_now);
+                   });
 }
 
 Rung dense(std::string name, const peers::Model& model, const Kept& kept) {
@@ -69,21 +72,36 @@ Rung dense(std::string name, const peers::Model& model, const Kept& kept) {
   Vector q0 = form->initial_q(), v0 = Vector::Zero(q0.size());
   q0.tail(q.size()) = q;
   v0.tail(v.size()) = v;
-  return make_rung(std::move(name), form, q0, v0, static_cast<int>(form->J().rows()),
-                   [](DenseForm&, Vector&, Vector&) {});
+  return make_rung(std::move(name), form, q0, v0, static_cast<int>(q0.size()),
+                   static_cast<int>(form->J().rows()), [](DenseForm&, Vector&, Vector&) {});
+}
+
+/// From where the blocks start.
+std::vector<Rung> by_hand() {
+  mechanics::Mechanism mechanism = peers::make_mechanism(peers::slider_crank());
+  const auto [q, v] = start(mechanism);
+  const auto nothing = [](auto&...) {};
+  return {
+      make_rung("the eight rows by hand, for this machine",
+                std::make_shared<EightRows>(slider_crank::Scene{}), q, v, 9, 8, nothing),
+      make_rung("one coordinate, by hand", std::make_shared<OneCoordinate>(slider_crank::Scene{}),
+                q[2], v[2], 1, 0, nothing)};
 }
 
 }  // namespace
 
 std::vector<Rung> slider_crank_ladder() {
   const peers::Model model = peers::slider_crank();
-  return {dense("full matrices, as the article has them", model, everything),
-          dense("the ground left out", model, {false, true, true, true}),
-          dense("no feedback of gain 0", model, {false, false, true, true}),
-          dense("Jdot v in place of Jdot", model, {false, false, false, true}),
-          dense("nothing allocated, W as its diagonal", model, least),
-          blocks("only the blocks that are not zero", peers::make_mechanism(model)),
-          blocks("the same with projection", peers::make_mechanism(model), Projected::yes)};
+  std::vector<Rung> ladder = {
+      dense("full matrices, as the article has them", model, everything),
+      dense("the ground left out", model, {false, true, true, true}),
+      dense("no feedback of gain 0", model, {false, false, true, true}),
+      dense("Jdot v in place of Jdot", model, {false, false, false, true}),
+      dense("nothing allocated, W as its diagonal", model, least),
+      blocks("only the blocks that are not zero", peers::make_mechanism(model)),
+      blocks("the same with projection", peers::make_mechanism(model), Projected::yes)};
+  for (Rung& rung : by_hand()) ladder.push_back(std::move(rung));
+  return ladder;
 }
 
 std::vector<Cost> measure_costs(const std::vector<Rung>& rungs) {

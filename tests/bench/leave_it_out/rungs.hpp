@@ -13,8 +13,8 @@ struct Rung {
   std::function<void()> step;
 };
 
-/// The slider-crank, each rung without something that the one before still had. The last is the
-/// same as the one before it, with projection.
+/// The slider-crank, each rung without something that the one before still had. The seventh is the
+/// sixth with projection; the last two are written for this machine alone.
 std::vector<Rung> slider_crank_ladder();
 
 /// What a step costs: processor time [s], the least of many samples, taken in turns so that all

@@ -2,6 +2,7 @@
 #include <random>
 
 #include "catch.hpp"
+#include "leave_it_out/by_hand.hpp"
 #include "leave_it_out/dense_form.hpp"
 #include "leave_it_out/rungs.hpp"
 #include "peers/mechanism.hpp"
@@ -40,6 +41,26 @@ TEST_CASE("every rung has the same equation: the solver's, to rounding") {
   }
 }
 
+TEST_CASE("what is written by hand for this machine has the acceleration of its joints") {
+  const slider_crank::Scene scene;
+  const EightRows rows(scene);
+  const OneCoordinate one(scene);
+  for (const double theta : {0.3, 1.0, 2.5, -0.7, 4.0})
+    for (const double omega : {-3.0, 0.0, 7.0}) {
+      mechanics::Mechanism mechanism =
+          ::slider_crank::make_mechanism({.theta0 = theta, .omega0 = omega}, {});
+      const Vector q = mechanism.initial_position(), v = mechanism.initial_velocity();
+      Vector a = v, by_rows = v;
+      mechanism.acceleration(0.0, q, v, a);
+      rows.acceleration(q, v, by_rows);
+      double by_one = 0;
+      one.acceleration(q[2], v[2], by_one);
+      INFO("theta " << theta << " omega " << omega);
+      CHECK((by_rows - a).norm() < 1e-12 * a.norm());
+      CHECK(std::abs(by_one - a[2]) < 1e-12 * a.norm());
+    }
+}
+
 TEST_CASE("the matrix Jdot times v is what the joints return, in any state") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-2.0, 2.0);
@@ -65,10 +86,12 @@ TEST_CASE("the matrix Jdot times v is what the joints return, in any state") {
 TEST_CASE("what is left out is left out, and nothing is allocated where it says so") {
   const std::vector<Rung> rungs = slider_crank_ladder();
   const std::vector<Cost> costs = measure_costs(rungs);
-  REQUIRE(rungs.size() == 7);
+  REQUIRE(rungs.size() == 9);
   CHECK(rungs[0].coordinates == 12);  // frame, wheel, rod, slider
   CHECK(rungs[0].rows == 11);         // 3 of the ground, 2 of each of 4 joints
-  for (std::size_t i = 1; i < rungs.size(); ++i) {
+  CHECK(rungs[8].coordinates == 1);
+  CHECK(rungs[8].rows == 0);
+  for (std::size_t i = 1; i < 8; ++i) {
     CHECK(rungs[i].coordinates == 9);
     CHECK(rungs[i].rows == 8);
   }
