@@ -142,6 +142,12 @@ class Evaluation {
     int row;
     VectorXd y, g;
     double independence, pivot;
+
+    // Less than a thousandth is left, by geometry.
+    bool is_close() const { return g.size() > 0 && independence < 1e-3; }
+    // And by the pivot. By the pivot alone less is left where masses differ much, by geometry alone
+    // in a long chain: there is nothing to be careful about.
+    bool is_delicate() const { return is_close() && pivot < 1e-4; }
   };
   // Of each row, the size of its gradient in the places and in the angles; the size of the scene
   // (m).

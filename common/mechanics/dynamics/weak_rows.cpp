@@ -173,21 +173,18 @@ void Evaluation::find_weak_rows() {
   }
 }
 
-// Those of which nothing is left that can be trusted, or less than a thousandth by geometry and by
-// the pivot. By the pivot alone it is less where masses differ much, by geometry alone in a long
-// chain: there is nothing to be careful about.
+// Those of which nothing is left that can be trusted, or so little that care is needed.
 int Evaluation::nearly_dependent_rows() const {
   int count = 0;
   for (std::size_t i = 0; i < weak_.size(); ++i)
-    if (weak_[i].g.size() > 0)
-      count += i >= kept_ || (weak_[i].independence < 1e-3 && weak_[i].pivot < 1e-4);
+    if (weak_[i].g.size() > 0) count += i >= kept_ || weak_[i].is_delicate();
   return count;
 }
 
 // Whether all of these depend on others to rounding. If joints are open, they do so everywhere.
 bool Evaluation::wholly_dependent() const {
   return std::none_of(weak_.begin(), weak_.end(), [&](const WeakRow& weak) {
-    return weak.independence > 1e4 * rounding_ && weak.independence < 1e-3 && weak.pivot < 1e-4;
+    return weak.independence > 1e4 * rounding_ && weak.is_delicate();
   });
 }
 
@@ -294,7 +291,7 @@ VectorXd System::times_along(const VectorXd& v, double far, double rest,
 
   VectorXd fastest = VectorXd::Zero(v.size());
   for (const Evaluation::WeakRow& weak : e.weak_)
-    if (weak.g.size() > 0 && weak.independence < 1e-3)
+    if (weak.is_close())
       for (const Layout::JBlock& block : blocks)
         if (weak.y.segment(block.row, block.r).squaredNorm() > 1e-12 * weak.y.squaredNorm()) {
           double& speed = fastest[first_connected(block.column)];
@@ -314,9 +311,8 @@ VectorXd System::times_along(const VectorXd& v, double far, double rest,
 bool System::is_singular_pose(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
   // By geometry alone: the step leaves the joints open.
   const auto dependent_rows = [&] {
-    return std::count_if(e.weak_.begin(), e.weak_.end(), [](const Evaluation::WeakRow& weak) {
-      return weak.g.size() > 0 && weak.independence < 1e-3;
-    });
+    return std::count_if(e.weak_.begin(), e.weak_.end(),
+                         [](const Evaluation::WeakRow& weak) { return weak.is_close(); });
   };
   const auto dependent = dependent_rows();
   constexpr double far = 0.02, rest = 1e-9;
