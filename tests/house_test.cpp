@@ -121,7 +121,7 @@ TEST_CASE(
       for (const std::string& name : includes(file)) {
         INFO(file << " includes " << name);
         if (!draw || file.extension() == ".hpp")
-          CHECK_FALSE(starts_with_any(name, {"imgui", "backends/", "GL/", "EGL/", "GLFW/", "stb"}));
+          CHECK_FALSE(starts_with_any(name, {"imgui", "backends/", "GL/", "EGL/", "GLFW/", "png.h"}));
         if (file.filename() != "window.cpp")
           CHECK_FALSE(starts_with_any(name, {"backends/", "GL/", "EGL/", "GLFW/"}));
         if (!exact && !test) CHECK_FALSE(starts_with_any(name, {"boost/"}));
@@ -197,7 +197,7 @@ TEST_CASE("chapters 1 and 2 carry no solver, the solver and the integrators noth
     INFO(test);
     const std::string symbols = output("nm -C " TUTORIAL_BIN "/" + std::string(test));
     CHECK(symbols.find("Catch::") != std::string::npos);
-    for (const char* part : {"draw::", "ImGui", "stbi_", "glfw"}) {
+    for (const char* part : {"draw::", "ImGui", "png_", "glfw"}) {
       INFO(part);
       CHECK(symbols.find(part) == std::string::npos);
     }

@@ -1,13 +1,12 @@
 #include "picture_check.hpp"
 
-#include <stb_image.h>
+#include <png.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
-#include <memory>
 #include <stdexcept>
 
 #include "catch.hpp"
@@ -26,25 +25,29 @@ const std::uint8_t* pixel(const Image& image, int x, int y) {
 
 }  // namespace
 
+Image decode_png(const std::string& bytes) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  Image image;
+  bool read = png_image_begin_read_from_memory(&png, bytes.data(), bytes.size()) != 0;
+  if (read) {
+    png.format = PNG_FORMAT_RGBA;
+    image = {static_cast<int>(png.width), static_cast<int>(png.height), {}};
+    image.rgba.resize(PNG_IMAGE_SIZE(png));
+    read = png_image_finish_read(&png, nullptr, image.rgba.data(), 0, nullptr) != 0;
+  }
+  if (!read) throw std::runtime_error(png.message);
+  return image;
+}
+
 Image read_png(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw std::runtime_error("cannot open " + file.string());
-  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-  if (!bytes.starts_with("\x89PNG")) throw std::runtime_error(file.string() + " is not a PNG");
-  Image image;
-  int channels = 0;
-  const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> data(
-      stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()),
-                            static_cast<int>(bytes.size()), &image.width, &image.height, &channels,
-                            4),
-      &stbi_image_free);
-  if (!data) {
-    throw std::runtime_error("cannot read " + file.string() + ": " + stbi_failure_reason());
+  try {
+    return decode_png({std::istreambuf_iterator<char>(in), {}});
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error("cannot read " + file.string() + " as a PNG: " + error.what());
   }
-  const std::size_t size =
-      4 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-  image.rgba.assign(data.get(), data.get() + size);
-  return image;
 }
 
 Difference difference(const Image& expected, const Image& actual) {
@@ -98,7 +101,8 @@ bool alike(const Image& expected, const Image& actual) {
   return d.same_size && d.largest_step <= 12 && d.worst_window <= 1.0;
 }
 
-void compare(const std::string& chapter, const std::string& name, const Image& actual) {
+void compare(const std::string& chapter, const std::string& name, const Image& drawn) {
+  const Image actual = decode_png(draw::encode_png(drawn));  // in the colours of a file
   const std::filesystem::path committed =
       std::filesystem::path(TUTORIAL_SOURCE) / "chapters" / chapter / "snapshots" / (name + ".png");
   INFO("expected: " << committed.string());

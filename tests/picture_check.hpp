@@ -13,6 +13,8 @@ namespace picture_check {
 
 using draw::Image;
 
+/// Throws std::runtime_error when they are not those of a PNG.
+Image decode_png(const std::string& bytes);
 /// Throws std::runtime_error, naming the file, when it cannot be read as a PNG.
 Image read_png(const std::filesystem::path& file);
 
@@ -32,9 +34,9 @@ Difference difference(const Image& expected, const Image& actual);
 /// differs by far more: a bead moved by a pixel by 100 steps and more at its edge.
 bool alike(const Image& expected, const Image& actual);
 
-/// With the picture in the snapshots of a chapter, pixel for pixel. Where they differ, both and
-/// their difference are written to a folder that the message names.
-void compare(const std::string& chapter, const std::string& name, const Image& actual);
+/// With the picture in the snapshots of a chapter, pixel for pixel, as it would be stored. Where
+/// they differ, both and their difference are written to a folder that the message names.
+void compare(const std::string& chapter, const std::string& name, const Image& drawn);
 
 /// All pictures of a chapter at the defaults of its program, and the plot of its committed report.
 void compare_all(const std::string& chapter, const std::vector<pictures::Picture>& pictures);
