@@ -65,6 +65,7 @@ TEST_CASE("the floors of common include only what stands below them") {
       {"mechanics/dynamics", {"mechanics/dynamics"}},
       {"mechanics/joints", {"mechanics/joints", "mechanics/dynamics"}},
       {"mechanics/forces", {"mechanics/forces", "mechanics/dynamics"}},
+      {"mechanics/paths", {"mechanics/paths"}},
       {"mechanics/motion",
        {"mechanics/motion", "mechanics/integrators", "mechanics/joints", "mechanics/dynamics"}},
       {"instruments/draw", {"instruments/draw"}},
