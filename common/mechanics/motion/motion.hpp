@@ -72,6 +72,7 @@ enum class Trouble {
   wrong,      ///< it is not, or no longer, a motion of the scene
   late,       ///< it is one, at another place than the exact answer
   tolerance,  ///< its tolerance asks for more than can be done
+  ended,      ///< nothing: the scene ends here
 };
 
 /// A simulation that cannot go on; the message is one line for the user.
@@ -154,7 +155,8 @@ double norm(const Vector& values) {
 }
 
 /// A model is a state (q, v) of some vector type and its acceleration. One with constraints may
-/// have a way back onto them, project(q, v), and know its distance(q).
+/// have a way back onto them, project(q, v), and know its distance(q). One that can end has a
+/// check(t, q, v), called after each step, that throws Diverged.
 template <class M>
 concept Model = requires(M model, typename M::Vector& q, typename M::Vector& v, Row& row,
                          Reach& reach) {
@@ -211,6 +213,7 @@ class Motion final : public Simulation {
         t_ = end - rest;
         if (!is_finite(q_) || !is_finite(v_))
           throw Diverged(at(t_) + first_not_finite() + " is no longer finite");
+        if constexpr (requires { model_.check(t_, q_, v_); }) model_.check(t_, q_, v_);
         if (rest > 0.0) look_inside_interval(h);
       }
     }
