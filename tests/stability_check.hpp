@@ -26,11 +26,10 @@ inline void check_stability(const measure::Stability& stability) {
     INFO(verdict.name << ": expected " << verdict.expected << ", found " << verdict.found);
     CHECK(verdict.as_expected);
   }
-  CHECK(stability.plans.size() == integrators::schemes.size());
+  CHECK(!stability.plans.empty());
   for (const measure::Plan& plan : stability.plans) {
     const measure::Map map = measure::measure_map(plan, across);
-    INFO(std::string(integrators::info(plan.integrator).text)
-         << ": " << map.agreeing() << " of " << map.compared());
+    INFO(plan.title() << ": " << map.agreeing() << " of " << map.compared());
     CHECK(map.compared() > 0);
     CHECK(measure::judge(map).as_expected);
   }

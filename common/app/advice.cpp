@@ -44,6 +44,7 @@ std::optional<std::string> fault_of_gains(const measure::RunOptions& run) {
 
 std::string advice(const Chapter& chapter, const measure::RunOptions& run,
                    mechanics::Trouble trouble) {
+  if (trouble == mechanics::Trouble::ended) return "a shorter --duration";
   const mechanics::Method& method = run.method;
   const bool feedback = method.stabilization == mechanics::Stabilization::feedback;
   const double shortest = run.duration / mechanics::most_steps;

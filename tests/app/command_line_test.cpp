@@ -108,7 +108,8 @@ TEST_CASE("a run says what its scene uses and what was left out, as counted by h
       "of J W Jᵀ, 48 bytes of state, ",
       "3 things, 9 coordinates, 8 rows of rank 8, 1 degree of freedom, 6 blocks of J, 7 of the "
       "factor "
-      "of J W Jᵀ, 144 bytes of state, "};
+      "of J W Jᵀ, 144 bytes of state, ",
+      "1 thing, 1 coordinate, 0 rows of rank 0, 1 degree of freedom, 16 bytes of state, "};
   const std::vector<std::string> names = chapters();
   REQUIRE(names.size() == uses.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -118,7 +119,7 @@ TEST_CASE("a run says what its scene uses and what was left out, as counted by h
     CHECK(holds(out, " ns a step\n"));
     CHECK(holds(out, "\nbuilt without optimisation") == !measure::optimised);
   }
-  const std::string crank = program(names.back()) + " run ";
+  const std::string crank = program("07_slider_crank") + " run ";
   CHECK(holds(shell(crank).out, "\nleft out: the frame, feedback, projection\n"));
   CHECK(holds(shell(crank + "--simulate-frame 1 --stabilization projection").out,
               "\nuses: 4 things, 12 coordinates, 11 rows of rank 11, 1 degree of freedom"));
@@ -158,8 +159,11 @@ TEST_CASE("without --step a run keeps its energy to 1 %, in a faster scene too")
         Run{"05_revolute", "--length 0.01 --gravity 1000", 5.0},
         Run{"06_prismatic", "--spin 1000", 0.5e6},  // of the rail, 1 kg·m²
         Run{"06_prismatic", "--stiffness 1e8 --s0 0.1", 5e5},
-        Run{"07_slider_crank", "--omega0 500", 0.02e6}}) {  // of the wheel, 0.16 kg·m²
-    const std::string method = chapter[1] == '2' ? "" : " --stabilization projection";
+        Run{"07_slider_crank", "--omega0 500", 0.02e6},  // of the wheel, 0.16 kg·m²
+        Run{"08_paths", "--radius 0.01", 0.19},          // m g (y(0) − y(q0))
+        Run{"08_paths", "--path circle --by length --speed 40", 800.0}}) {
+    const bool one = chapter[1] == '2' || chapter[1] == '8';  // coordinate
+    const std::string method = one ? "" : " --stabilization projection";
     const std::string command = fmt::format("{} run {}{}", program(chapter), options, method);
     INFO(command);
     const std::string out = shell(command).out, name = "energy error";
@@ -208,6 +212,9 @@ TEST_CASE("the CSV has the contract's columns, all finite, and standard output h
       "particle_curve.fx,particle_curve.fy,particle_curve.moment";
   CHECK(header("01_particle_on_curve_implicit") == "t," + particle);
   CHECK(header("02_parametric_lagrangian") == "t,q,qdot," + particle);
+  CHECK(header("08_paths") ==
+        "t,q,speed,particle.x,particle.y,particle.vx,particle.vy,energy,constraint_error,"
+        "velocity_error,particle_path.fx,particle_path.fy,particle_path.moment");
 }
 
 TEST_CASE(
@@ -342,6 +349,16 @@ TEST_CASE("unusable arguments: one line that names them, exit status 2") {
   check_refused(program("02_parametric_lagrangian") + " run --stabilization projection",
                 "--stabilization projection");
   check_refused(program("02_parametric_lagrangian") + " run --kd 1", "--kd 1");
+  const std::string wire = program("08_paths") + " run --path ";
+  check_refused(wire + "snail", "--path snail: allowed is one of cycloid, line, ");
+  check_refused(wire + "circle --by angle", "--by angle: allowed is one of parameter, length");
+  check_refused(wire + "cubic --points '0,0 1,1'", "--points 0,0 1,1: a cubic needs 4, not 2");
+  check_refused(wire + "line --points '1,1 1,1'", "--points 1,1 1,1: two in a row");
+  check_refused(wire + "hermite_spline --tangents '1,0'", "--tangents 1,0: ");
+  check_refused(wire + "projectile --launch 0,-1", "--launch 0,-1: straight up");
+  check_refused(wire + "line --q0 2", "--q0 2: allowed is a place on the wire, 0 to 1");
+  check_refused(wire + "cycloid --q0 3.141592653589793", "--q0 3.14159: there x' = 0");
+  check_refused(wire + "sequence --file none", "--file none: cannot be read");
 }
 
 TEST_CASE("a full disk: one line, exit status 1, nothing left under the name") {
@@ -367,6 +384,14 @@ TEST_CASE(
     CHECK(!holds(result.out, "nan"));
     CHECK(!holds(result.out, "inf"));
   }
+}
+
+TEST_CASE("a bead that leaves its wire: the time, exit status 1 and no file") {
+  const Folder folder;
+  check_refused(program("08_paths") + " run --path cubic --duration 2 --csv " +
+                    (folder.path / "run.csv").string(),
+                "leaves the wire at t = 1.1628910", 1);
+  CHECK(fs::is_empty(folder.path));
 }
 
 TEST_CASE(

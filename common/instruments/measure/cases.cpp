@@ -97,8 +97,7 @@ CaseResult judge(const Case& trial) {
 CaseResult judge(const measure::Map& map) {
   const int differing = map.compared() - map.agreeing();
   const Expected expected = accurate(map.plan.differing);
-  return {fmt::format("map of {}, {} cells compared", integrators::info(map.plan.integrator).text,
-                      map.compared()),
+  return {fmt::format("map of {}, {} cells compared", map.plan.title(), map.compared()),
           "cells that differ from theory", text(expected), fmt::format("{}", differing),
           fits(expected, differing)};
 }
@@ -215,8 +214,8 @@ std::string csv(const std::vector<measure::Map>& maps) {
   files::Table table({"integrator", "x", "y", "stable", "theory", "compared"});
   for (const measure::Map& map : maps)
     for (const measure::Cell& cell : map.cells)
-      table.add(integrators::info(map.plan.integrator).text, files::digits(cell.x),
-                files::digits(cell.y), int{cell.stable}, int{cell.theory}, int{cell.compared});
+      table.add(map.plan.title(), files::digits(cell.x), files::digits(cell.y), int{cell.stable},
+                int{cell.theory}, int{cell.compared});
   return table.csv(separator);
 }
 

@@ -57,8 +57,7 @@ Map measure_map(const Plan& plan, int across, const Progress& progress) {
           cell.compared &= theory(x + dx * width, y + dy * height) == cell.theory;
       map.cells.push_back(cell);
       if (progress)
-        progress(static_cast<double>(map.cells.size()) / (across * across),
-                 std::string(integrators::info(plan.integrator).text));
+        progress(static_cast<double>(map.cells.size()) / (across * across), plan.title());
     }
   return map;
 }

@@ -47,7 +47,7 @@ std::vector<draw::Point> boundary(const measure::Plan& plan) {
 draw::Plot panel(const measure::Map& map, const draw::Theme& theme) {
   const measure::Plan& plan = map.plan;
   draw::Plot plot;
-  plot.title = integrators::info(plan.integrator).text;
+  plot.title = plan.title();
   plot.x = {.label = plan.x_label, .min = 0.0, .max = plan.x_max};
   plot.y = {.label = plan.y_label, .min = 0.0, .max = plan.y_max};
   plot.legend = draw::Legend::none;
@@ -84,15 +84,17 @@ Picture map_picture(const std::vector<measure::Map>& maps, const std::string& re
         constexpr double gap = 20.0;
         const double width = (content.width - 2.0 * gap) / 3.0,
                      height = (content.height - gap) / 2.0;
+        const std::size_t columns = maps.size() > 4 ? 3 : 2;
         const auto place = [&](std::size_t k) {
-          const std::size_t column = k % 3, row = k / 3;
+          const std::size_t column = k % columns, row = k / columns;
           return draw::Rect{content.left + static_cast<double>(column) * (width + gap),
                             content.top + static_cast<double>(row) * (height + gap), width, height};
         };
         for (std::size_t k = 0; k < maps.size(); ++k)
           draw::draw_plot(pen, place(k), panel(maps[k], theme));
-        // The legend stands where a sixth plane would.
-        const draw::Rect legend = place(maps.size());
+        // The legend stands where a sixth plane would, or beside four.
+        const draw::Rect beside{content.left + 2.0 * (width + gap), content.top, width, height};
+        const draw::Rect legend = columns == 3 ? place(maps.size()) : beside;
         const double x = legend.left + 24.0, sample = 26.0;
         double y = legend.top + 40.0;
         const auto entry = [&](const std::string& label, const auto& draw_sample) {

@@ -74,6 +74,7 @@ enum class Trouble {
   late,       ///< it is one, at another place than the exact answer
   singular,   ///< its drift decided how it left a pose in which J loses rank
   tolerance,  ///< its tolerance asks for more than can be done
+  ended,      ///< nothing: the scene ends here
 };
 
 /// A simulation that cannot go on; the message is one line for the user.
@@ -159,7 +160,8 @@ double norm(const Vector& values) {
 
 /// A model is a state (q, v) of some vector type and its acceleration. One with constraints may
 /// have a way back onto them, project(t, q, v), and know its distance(t, q). One whose joints do
-/// work tells their power(), and one whose acceleration jumps, its next_jump(t).
+/// work tells their power(), one whose acceleration jumps, its next_jump(t); and one that can end
+/// has a check(t, q, v), called after each step, that throws Diverged.
 template <class M>
 concept Model = requires(M model, typename M::Vector& q, typename M::Vector& v, Row& row,
                          Reach& reach) {
@@ -225,6 +227,7 @@ class Motion final : public Simulation {
           if (projected()) model_.project(t_, q_, v_);
         if (!is_finite(q_) || !is_finite(v_))
           throw Diverged(at(t_) + first_not_finite() + " is no longer finite");
+        if constexpr (requires { model_.check(t_, q_, v_); }) model_.check(t_, q_, v_);
         if (rest > 0.0) look_inside_interval(h);
       }
     }

@@ -58,6 +58,7 @@ std::string nonsense(Random& random) {
 
 /// A value for a number, `wildness` from 0 (what a reader would try) to 2 (any that there is).
 std::string value(const Option& option, int wildness, Random& random) {
+  if (!option.choices.empty() && !random.chance(0.05)) return random.pick(option.choices);
   const double preset = option.preset.value_or(1.0);
   if (random.chance(0.01 + 0.01 * wildness)) return nonsense(random);
   if (random.chance(0.03 + 0.03 * wildness)) return random.pick(edge_numbers);

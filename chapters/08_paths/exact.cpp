@@ -1,0 +1,169 @@
+#include "exact.hpp"
+
+#include <algorithm>
+#include <boost/math/quadrature/gauss.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace any_wire {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+}  // namespace
+
+std::optional<State> on_cycloid(double R, double g, const State& start, double t) {
+  const double s0 = 4 * R * std::sin(start.q / 2), v0 = start.speed, omega = std::sqrt(g / (4 * R));
+  const double c = std::cos(omega * t), s = std::sin(omega * t);
+  const double way = g > 0 ? s0 * c + v0 / omega * s : s0 + v0 * t,
+               speed = g > 0 ? v0 * c - s0 * omega * s : v0;
+  const double widest = g > 0 ? std::hypot(s0, v0 / omega) : std::abs(way);
+  if (widest > 4 * R * (1 + 1e-12)) {  // it leaves, sooner or later; the others may tell when
+    return std::nullopt;
+  }
+  return State{2 * std::asin(std::clamp(way / (4 * R), -1.0, 1.0)), speed};
+}
+
+EnergyMotion::EnergyMotion(Wire wire, double g, const State& start)
+    : wire_(std::move(wire)), g_(g), start_(start) {
+  const auto& [q0, v0] = start_;
+  const double little = 1e-6 * (wire_.last - wire_.first);
+  const double pull =
+      g_ * (wire_.depth(q0 + little) - wire_.depth(q0 - little)) / (2 * little * wire_.stretch(q0));
+  rests_ = v0 == 0.0 && !(std::abs(pull) > 1e-9 * g_);
+  if (rests_) return;
+  const int direction = v0 > 0.0 || (v0 == 0.0 && pull > 0.0) ? 1 : -1;
+  legs_.push_back(leg(q0, direction, wire_.depth(q0), v0 * v0));
+  for (int i = 1; i < 3 && legs_.back().turns; ++i) {
+    const double turn = legs_.back().to;
+    legs_.push_back(leg(turn, i == 1 ? -direction : direction, wire_.depth(turn), 0.0));
+  }
+}
+
+double EnergyMotion::Leg::q(double phi) const {
+  // From both ends, so that what is left to them is exact.
+  const double part = std::pow(std::sin(phi / 2), 2), rest = std::pow(std::cos(phi / 2), 2);
+  return phi < pi / 2 ? from + (to - from) * part : to - (to - from) * rest;
+}
+
+double EnergyMotion::energy(const Leg& leg, double q) const {
+  return leg.v2 + 2 * g_ * (wire_.depth(q) - leg.y0);
+}
+
+double EnergyMotion::dt_dphi(const Leg& leg, double phi) const {
+  const double q = leg.q(phi), v2 = energy(leg, q);
+  return std::abs(leg.to - leg.from) / 2 * std::sin(phi) * wire_.stretch(q) /
+         std::sqrt(std::max(v2, std::numeric_limits<double>::min()));
+}
+
+double EnergyMotion::time(const Leg& leg, double from, double to) const {
+  return boost::math::quadrature::gauss<double, 20>::integrate(
+      [&](double phi) { return dt_dphi(leg, phi); }, from, to);
+}
+
+EnergyMotion::Leg EnergyMotion::leg(double from, int direction, double y0, double v2) {
+  const double width = wire_.last - wire_.first;
+  // Knots and, on a closed wire, where it begins again, in the order of the way.
+  std::vector<double> ends;
+  for (const double turn :
+       wire_.closed ? std::vector{-2.0, -1.0, 0.0, 1.0, 2.0} : std::vector{0.0}) {
+    const double shift =
+        (turn + (wire_.closed ? std::floor((from - wire_.first) / width) : 0)) * width;
+    for (const double knot : wire_.knots) ends.push_back(knot + shift);
+    ends.push_back(wire_.first + shift);
+    ends.push_back(wire_.last + shift);
+  }
+  if (wire_.closed) ends.push_back(from + direction * width);
+  std::sort(ends.begin(), ends.end(),
+            [&](double a, double b) { return direction * a < direction * b; });
+  std::erase_if(ends, [&](double q) {
+    return direction * (q - from) <= 0.0 ||
+           (wire_.closed && direction * (q - from) > width * (1 + 1e-15));
+  });
+
+  Leg leg{from, ends.empty() ? from : ends.back(), false, y0, v2};
+  const auto moves = [&](double q) { return energy(leg, q) > 0.0; };
+  constexpr int looks = 1000;  // between two knots
+  double before = from;
+  for (const double end : ends) {
+    const double begin = before;
+    for (int k = 1; k <= looks && !leg.turns; ++k) {
+      const double q = k == looks ? end : begin + (end - begin) * k / looks;
+      if (!moves(q) && (v2 > 0.0 || before != from || k > 1)) {
+        double low = before, high = q;
+        for (int i = 0; i < 200; ++i) {
+          const double middle = low + (high - low) / 2;
+          (moves(middle) ? low : high) = middle;
+        }
+        leg.to = high;
+        leg.turns = true;
+      }
+      if (!leg.turns) before = q;
+    }
+    if (leg.turns) break;
+  }
+
+  std::vector<double> cuts;
+  constexpr int pieces = 64;
+  for (int i = 0; i <= pieces; ++i) cuts.push_back(pi * i / pieces);
+  for (const double end : ends) {
+    const double cosine = 1 - 2 * (end - from) / (leg.to - from);
+    if (std::abs(cosine) < 1) cuts.push_back(std::acos(cosine));
+  }
+  std::sort(cuts.begin(), cuts.end());
+  leg.cuts.push_back({0.0, 0.0});
+  for (std::size_t i = 1; i < cuts.size(); ++i) {
+    const double a = cuts[i - 1], b = cuts[i], t = time(leg, a, b), m = (a + b) / 2;
+    holds_ =
+        holds_ && std::abs(time(leg, a, m) + time(leg, m, b) - t) <= 1e-9 * (t + leg.cuts.back().t);
+    leg.cuts.push_back({b, leg.cuts.back().t + t});
+  }
+  return leg;
+}
+
+State EnergyMotion::in(const Leg& leg, double t) const {
+  const auto next = std::upper_bound(leg.cuts.begin() + 1, leg.cuts.end() - 1, t,
+                                     [](double time, const Leg::Cut& cut) { return time < cut.t; });
+  double low = (next - 1)->phi, high = next->phi;
+  double phi = low + (high - low) * (t - (next - 1)->t) / (next->t - (next - 1)->t);
+  for (int i = 0; i < 100; ++i) {
+    const double excess = (next - 1)->t + time(leg, (next - 1)->phi, phi) - t;
+    (excess > 0 ? high : low) = phi;
+    double step = phi - excess / dt_dphi(leg, phi);
+    if (!(step >= low && step <= high)) step = low + (high - low) / 2;
+    if (std::abs(step - phi) <= 1e-16 * pi) break;
+    phi = step;
+  }
+  const double q = leg.q(phi);
+  return {q, std::copysign(std::sqrt(std::max(0.0, energy(leg, q))), leg.to - leg.from)};
+}
+
+std::optional<State> EnergyMotion::at(double t) const {
+  if (rests_ || t <= 0.0) return start_;
+  if (!holds_) return std::nullopt;
+  if (legs_.size() == 1 && wire_.closed) {  // around and around
+    const double round = legs_[0].duration(), rounds = std::floor(t / round);
+    State state = in(legs_[0], t - rounds * round);
+    state.q += rounds * (legs_[0].to - legs_[0].from);
+    return state;
+  }
+  for (const Leg& leg : legs_) {
+    if (t <= leg.duration()) return in(leg, t);
+    t -= leg.duration();
+  }
+  if (legs_.size() < 3) return std::nullopt;
+  // There and back between the two turning points, which the second way and the third have found.
+  const double period = legs_[1].duration() + legs_[2].duration();
+  t -= std::floor(t / period) * period;
+  return t <= legs_[1].duration() ? in(legs_[1], t) : in(legs_[2], t - legs_[1].duration());
+}
+
+double EnergyMotion::end() const {
+  if (rests_ || legs_.back().turns || wire_.closed) return std::numeric_limits<double>::infinity();
+  double t = 0.0;
+  for (const Leg& leg : legs_) t += leg.duration();
+  return t;
+}
+
+}  // namespace any_wire
