@@ -23,6 +23,7 @@ struct Chapter {
   std::string title;      ///< "Particle on a curve, implicit"
 
   std::vector<Parameter> parameters;
+  std::vector<Text> texts;  ///< what else the scene is chosen by; the window keeps it
   measure::RunOptions defaults;
   bool has_constraints = true;        ///< false: nothing to stabilize, and no such options
   std::string constraint_unit = "m";  ///< of C

@@ -78,6 +78,15 @@ void add_scene(CLI::App& app, const Chapter& chapter) {
         fmt::format("{} (default {:g})", parameter.help, parameter.value()), parameter.allowed,
         [&parameter](double number) { parameter.set(number); }, parameter.is_whole())
         ->group("Scene");
+  for (const Text& text : chapter.texts)
+    if (text.names.empty())
+      app.add_option(text.option, *text.place, text.help)->type_name(text.form)->group("Scene");
+    else
+      add_name(
+          app, text.option, text.names,
+          fmt::format("{}: {} (default {})", fmt::join(text.names, ", "), text.help, *text.place),
+          [&text](std::size_t which) { *text.place = text.names[which]; })
+          ->group("Scene");
 }
 
 void add_method(CLI::App& app, const Chapter& chapter, Request& request,
@@ -436,8 +445,9 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
     return complain(error.what(), 2);
   } catch (const std::invalid_argument& error) {  // a scene's own, which knows no options
     const std::string text = error.what(), first = "--" + text.substr(0, text.find(' '));
-    const bool option = std::any_of(chapter.parameters.begin(), chapter.parameters.end(),
-                                    [&](const Parameter& p) { return p.option == first; });
+    const auto named = [&](const auto& p) { return p.option == first; };
+    const bool option = std::any_of(chapter.parameters.begin(), chapter.parameters.end(), named) ||
+                        std::any_of(chapter.texts.begin(), chapter.texts.end(), named);
     return complain(option ? "--" + text : text, 2);
   } catch (const mechanics::Diverged& diverged) {
     return complain(fmt::format("stopped {}; try {}", diverged.what(),

@@ -60,6 +60,15 @@ struct Parameter {
   }
 };
 
+/// A word or a text that the reader may choose: one of `names`, where there are some.
+struct Text {
+  std::string option;  ///< "--path"
+  std::string form;    ///< as --help shows it: "NAME", "FILE"
+  std::string help;
+  std::string* place;  ///< holds the default
+  std::vector<std::string> names = {};
+};
+
 /// Reads a number; throws UsageError naming the option where it is none or not allowed.
 double number(const std::string& option, const std::string& text, const Range& allowed,
               bool only_whole = false);

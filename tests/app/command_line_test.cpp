@@ -108,7 +108,9 @@ TEST_CASE("a run says what its scene uses and what was left out, as counted by h
       "of J W Jᵀ, 48 bytes of state, ",
       "3 things, 9 coordinates, 8 rows of rank 8, 1 degree of freedom, 6 blocks of J, 7 of the "
       "factor "
-      "of J W Jᵀ, 144 bytes of state, "};
+      "of J W Jᵀ, 144 bytes of state, ",
+      "3 things, 9 coordinates, 9 rows of rank 9, 0 degrees of freedom, 7 blocks of J, 10 of the "
+      "factor of J W Jᵀ, 144 bytes of state, "};
   const std::vector<std::string> names = chapters();
   REQUIRE(names.size() == uses.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -118,7 +120,7 @@ TEST_CASE("a run says what its scene uses and what was left out, as counted by h
     CHECK(holds(out, " ns a step\n"));
     CHECK(holds(out, "\nbuilt without optimisation") == !measure::optimised);
   }
-  const std::string crank = program(names.back()) + " run ";
+  const std::string crank = program("07_slider_crank") + " run ";
   CHECK(holds(shell(crank).out, "\nleft out: the frame, feedback, projection\n"));
   CHECK(holds(shell(crank + "--simulate-frame 1 --stabilization projection").out,
               "\nuses: 4 things, 12 coordinates, 11 rows of rank 11, 1 degree of freedom"));
