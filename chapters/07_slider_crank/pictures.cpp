@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "instruments/pictures/lesson.hpp"
+#include "drawing.hpp"
 #include "instruments/pictures/mechanism_stage.hpp"
 #include "study.hpp"
 #include "turned_off.hpp"
@@ -18,26 +18,7 @@ Motion motion(const Scene& scene, const mechanics::Method& method) {
   return {make_mechanism(scene, method), method};
 }
 
-/// The forces on the bodies that the joints are named after, each at the place where it acts.
-struct Forces {
-  Vector2d wheel_frame, rod_wheel, slider_rod, slider_frame;
-};
-
-/// Where a body is.
-struct Pose {
-  Vector2d x = Vector2d::Zero();
-  double angle = 0.0;
-
-  /// The point u of the body's own frame.
-  Vector2d at(const Vector2d& u) const { return x + dynamics::rotation(angle) * u; }
-};
-
-struct Instant {
-  double t;
-  Pose frame, wheel, rod, slider;
-  Vector2d crank_pin, rod_start, rod_end;  ///< of the wheel, and of the rod
-  Forces forces;
-};
+}  // namespace
 
 Instant now(const Scene& scene, Motion& motion, const Bodies& bodies) {
   const mechanics::Row row = motion.row();
@@ -60,6 +41,8 @@ Instant now(const Scene& scene, Motion& motion, const Bodies& bodies) {
           {force(1), force(2), force(3), force(4)}};
 }
 
+namespace {
+
 /// One revolution, or the run where it ends before: an instant each step.
 std::vector<Instant> revolution(const Scene& scene, const RunOptions& run) {
   Bodies bodies;
@@ -74,6 +57,8 @@ std::vector<Instant> revolution(const Scene& scene, const RunOptions& run) {
   }
   return instants;
 }
+
+}  // namespace
 
 draw::View view(const Scene& scene) {
   const double wheel = std::max(scene.wheel_radius, 1.05 * scene.crank);
@@ -93,7 +78,6 @@ void draw_frame(Canvas& canvas, const Scene& scene, const Pose& frame) {
   canvas.curve(line, canvas.theme().muted, 1.0, draw::Dash::dotted);
 }
 
-/// The moving bodies; `muted` leaves the colours to the arrows that come on top.
 void draw_bodies(Canvas& canvas, const Scene& scene, const Instant& at, double presence,
                  bool muted) {
   const auto& theme = canvas.theme();
@@ -106,6 +90,8 @@ void draw_bodies(Canvas& canvas, const Scene& scene, const Instant& at, double p
   canvas.link(point(at.rod_start), point(at.rod_end), 9.0, rod, edge);
 }
 
+namespace {
+
 void draw_gaps(Canvas& canvas, const Instant& at) {
   const Vector2d along = at.frame.at({1.0, 0.0}) - at.frame.x;
   const Vector2d foot = at.frame.x + along.dot(at.slider.x - at.frame.x) * along;  // on the rail
@@ -116,7 +102,9 @@ void draw_gaps(Canvas& canvas, const Instant& at) {
   canvas.gap(point(foot), point(at.slider.x));
 }
 
-void draw_mechanism(Canvas& canvas, const Scene& scene, const Instant& at, bool muted = false) {
+}  // namespace
+
+void draw_mechanism(Canvas& canvas, const Scene& scene, const Instant& at, bool muted) {
   draw_frame(canvas, scene, at.frame);
   canvas.disc(point(at.wheel.x), scene.wheel_radius, canvas.theme().body.faded(0.35),
               canvas.theme().body_edge);
@@ -126,9 +114,7 @@ void draw_mechanism(Canvas& canvas, const Scene& scene, const Instant& at, bool 
   draw_gaps(canvas, at);
 }
 
-/// Arrows of the four joint reactions, `metres` long where the force is `newtons`.
-void draw_forces(Canvas& canvas, const Instant& at, double newtons, double metres,
-                 bool labelled = true) {
+void draw_forces(Canvas& canvas, const Instant& at, double newtons, double metres, bool labelled) {
   const auto arrow = [&](const Vector2d& where, const Vector2d& force, std::size_t color,
                          const char* name) {
     canvas.arrow(point(where), point(metres / newtons * force), canvas.theme().series[color],
@@ -144,6 +130,8 @@ double largest(const Forces& forces) {
   return std::max({forces.wheel_frame.norm(), forces.rod_wheel.norm(), forces.slider_rod.norm(),
                    forces.slider_frame.norm()});
 }
+
+namespace {
 
 Picture scene_picture(const Scene& scene, const RunOptions& run) {
   const Instant start = revolution(scene, {.duration = run.step, .step = run.step}).front();

@@ -109,7 +109,9 @@ TEST_CASE("a run says what its scene uses and what was left out, as counted by h
       "3 things, 9 coordinates, 8 rows of rank 8, 1 degree of freedom, 6 blocks of J, 7 of the "
       "factor "
       "of J W Jᵀ, 144 bytes of state, ",
-      "1 thing, 1 coordinate, 0 rows of rank 0, 1 degree of freedom, 16 bytes of state, "};
+      "1 thing, 1 coordinate, 0 rows of rank 0, 1 degree of freedom, 16 bytes of state, ",
+      "3 things, 9 coordinates, 9 rows of rank 9, 0 degrees of freedom, 7 blocks of J, 10 of the "
+      "factor of J W Jᵀ, 144 bytes of state, "};
   const std::vector<std::string> names = chapters();
   REQUIRE(names.size() == uses.size());
   for (std::size_t i = 0; i < names.size(); ++i) {

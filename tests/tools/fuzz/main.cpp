@@ -48,6 +48,7 @@ int chapter_5_main(int, char**);
 int chapter_6_main(int, char**);
 int chapter_7_main(int, char**);
 int chapter_8_main(int, char**);
+int chapter_9_main(int, char**);
 }
 
 namespace fs = std::filesystem;
@@ -59,14 +60,15 @@ struct Program {
   int (*main)(int, char**);
   std::vector<fuzz::Option> options = {};
 };
-std::array<Program, 8> programs{{{"01_particle_on_curve_implicit", chapter_1_main},
+std::array<Program, 9> programs{{{"01_particle_on_curve_implicit", chapter_1_main},
                                  {"02_parametric_lagrangian", chapter_2_main},
                                  {"03_global_jacobian_solver", chapter_3_main},
                                  {"04_ground", chapter_4_main},
                                  {"05_revolute", chapter_5_main},
                                  {"06_prismatic", chapter_6_main},
                                  {"07_slider_crank", chapter_7_main},
-                                 {"08_paths", chapter_8_main}}};
+                                 {"08_paths", chapter_8_main},
+                                 {"09_drivers", chapter_9_main}}};
 static_assert(FUZZ_CHAPTERS == std::tuple_size_v<decltype(programs)>);
 
 // -------------------------------------------------------------------------------------------------
