@@ -31,7 +31,7 @@ std::vector<Point> points_of(const paths::Path& path, double from, double to) {
 
 /// What a bead can come to in a time: all of a path, but of a projectile's, which has no end.
 double last_seen(const Scene& scene, const paths::Path& path, double duration) {
-  return scene.path == "projectile" ? 1.3 * duration : path.last;
+  return scene.path == "projectile" ? 1.1 * duration : path.last;
 }
 
 void draw_wire(Canvas& canvas, const Scene& scene, const paths::Path& path, double duration) {
@@ -46,7 +46,7 @@ draw::View view_of(const Scene& scene, const paths::Path& path, double duration)
   for (const Point& p : points_of(path, path.first, last_seen(scene, path, duration)))
     view = {std::min(view.left, p.x), std::min(view.top, p.y), std::max(view.right, p.x),
             std::max(view.bottom, p.y)};
-  const double room = 0.12 * std::max(view.right - view.left, view.bottom - view.top);
+  const double room = 0.16 * std::max(view.right - view.left, view.bottom - view.top);
   return {view.left - room, view.top - room, view.right + room, view.bottom + room};
 }
 
@@ -86,7 +86,7 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
   return {
       "scene", [=](draw::Pen& pen) {
         const draw::View view = view_of(scene, path, run.duration);
-        const double longest = 0.2 * std::max(view.right - view.left, view.bottom - view.top);
+        const double longest = 0.24 * std::max(view.right - view.left, view.bottom - view.top);
         Canvas canvas(pen, draw::page(pen, scene.path, caption), view);
         canvas.axes("m");
         draw_wire(canvas, scene, path, run.duration);
@@ -100,7 +100,7 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
             canvas.label(point(path(state.q).x), fmt::format("q = {:.3g}", state.q),
                          canvas.theme().ink, draw::Font::text, draw::Align::left, {12.0, -14.0});
         for (const State& state : way)
-          canvas.bead(point(path(state.q).x), 6.0, canvas.theme().body, canvas.theme().body_edge);
+          canvas.bead(point(path(state.q).x), 4.5, canvas.theme().body, canvas.theme().body_edge);
       }};
 }
 

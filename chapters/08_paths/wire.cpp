@@ -148,7 +148,7 @@ const std::vector<Preset>& presets() {
         on("cosine_spline", five_points, 0.0, 3.0, 1.0),
         on("hermite_spline", five_points, 0.0, 3.0, 1.0),
         on("catmull_rom", five_points, 0.0, 3.0, 1.0),
-        on("projectile", "", 0.0, std::sqrt(13.0), 1.0),
+        on("projectile", "", 0.0, std::sqrt(13.0), 0.6),
         on("sequence", "", 0.0, 3.0, 1.2),
     };
     for (auto& [scene, duration] : all) {
@@ -176,10 +176,11 @@ paths::Path path_of(const Scene& scene) {
       throw std::invalid_argument("path: it has no finite ends");
     return path;
   } catch (const std::invalid_argument& error) {  // "points: ..." with the value of the option
-    const std::string text = error.what();
+    const std::string text = error.what(), turns = fmt::format("{:g}", scene.turns);
     for (const auto& [name, value] :
          {std::pair{"points", &scene.points}, std::pair{"tangents", &scene.tangents},
-          std::pair{"launch", &scene.launch}, std::pair{"sequence", &scene.file}})
+          std::pair{"launch", &scene.launch}, std::pair{"sequence", &scene.file},
+          std::pair{"turns", &turns}})
       if (text.starts_with(std::string(name) + ": "))
         throw std::invalid_argument(
             fmt::format("{} {}{}", std::string(name) == "sequence" ? "file" : name,
