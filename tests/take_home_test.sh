@@ -15,7 +15,7 @@ die() { echo "$*" >&2; exit 1; }
 cmake() {
   case $1 in
     # All sources of a target in one piece: what they have in common, most of Eigen, is compiled once.
-    -S) command "$cmake" "$@" -DCMAKE_UNITY_BUILD=ON ;;
+    -S) command "$cmake" "$@" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0 ;;
     --build)
       [[ $2 == build/library && $library ]] || { command "$cmake" "$@"; return; }
       cp "$library" build/library/common/mechanics ;;

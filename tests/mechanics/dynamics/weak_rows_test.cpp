@@ -107,8 +107,8 @@ TEST_CASE("two pins instead of a weld are one rigid body, in every pose and fram
   for (const Frame& frame : frames)
     for (const bool swapped : {false, true})
       for (const double omega : {0., 2.})
-        for (int i = 0; i <= 400; ++i) {
-          const double e = i <= 200 ? i * 5e-9 : std::pow(10, -6 + 6. * (i - 200) / 200);
+        for (int i = 0; i <= 200; ++i) {
+          const double e = i <= 100 ? i * 1e-8 : std::pow(10, -6 + 6. * (i - 100) / 100);
           Evaluated scene;
           two_pins(scene, e, omega, frame, swapped);
           const auto& evaluation = scene.at(scene.initial_q());
@@ -121,15 +121,15 @@ TEST_CASE("two pins instead of a weld are one rigid body, in every pose and fram
         }
 }
 
-TEST_CASE("two pins instead of a weld keep their energy over 20 s") {
+TEST_CASE("two pins instead of a weld keep their energy over 5 s") {
   const auto error = [](const Method& method, double step) {
     auto motion = start(method, [](System& system) { two_pins(system, 0, 0); });
-    return energy_error(motion, 20, step);
+    return energy_error(motion, 5, step);
   };
   CHECK(error({Scheme::rk4, Stabilization::projection}, 1e-3) < 1e-10);
-  CHECK(error({Scheme::rk4}, 1e-3) < 1e-7);  // the joints drift
+  CHECK(error({Scheme::rk4}, 1e-3) < 1e-8);  // the joints drift
   CHECK(error({Scheme::dop853, Stabilization::projection}, 1e-3) < 1e-11);
-  CHECK(error({Scheme::implicit_midpoint, Stabilization::projection}, 1e-3) < 1e-2);
+  CHECK(error({Scheme::implicit_midpoint, Stabilization::projection}, 1e-3) < 3e-3);
 }
 
 TEST_CASE("a tie that adds nothing changes nothing") {
