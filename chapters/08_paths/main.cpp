@@ -12,7 +12,7 @@ constexpr double g = 9.81, R = 1.0;          // [m/s²], [m]
 const paths::Path wire = paths::cycloid(R);  // or any other
 
 /// q̈ by Newton's law along x′, to which the force of the wire is perpendicular; the mass cancels.
-double acceleration(double q, double qdot) {
+double qddot(double q, double qdot) {
   const auto [x, d, dd] = wire(q);  // x, x′, x″
   return (d.y() * g - d.dot(dd) * qdot * qdot) / d.squaredNorm();
 }
@@ -23,10 +23,10 @@ int main(int argc, char** argv) {
   const double h = 0.002;
   double q = 3.0, v = 0.0;
   for (int step = 0; step < 2500; ++step) {  // by the classical Runge–Kutta method
-    const double a1 = acceleration(q, v);
-    const double v2 = v + h / 2 * a1, a2 = acceleration(q + h / 2 * v, v2);
-    const double v3 = v + h / 2 * a2, a3 = acceleration(q + h / 2 * v2, v3);
-    const double v4 = v + h * a3, a4 = acceleration(q + h * v3, v4);
+    const double a1 = qddot(q, v);
+    const double v2 = v + h / 2 * a1, a2 = qddot(q + h / 2 * v, v2);
+    const double v3 = v + h / 2 * a2, a3 = qddot(q + h / 2 * v2, v3);
+    const double v4 = v + h * a3, a4 = qddot(q + h * v3, v4);
     q += h / 6 * (v + 2 * v2 + 2 * v3 + v4);
     v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
   }
