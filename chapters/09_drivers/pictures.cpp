@@ -320,6 +320,9 @@ class DrivenStage final : public pictures::MechanismStage {
   void draw_things(Canvas& canvas, const pictures::Show& show) override {
     const Instant at = slider_crank::now(scene_.machine, motion, bodies_);
     slider_crank::draw_mechanism(canvas, scene_.machine, at, show.forces);
+    const double R = scene_.machine.crank, told = move(scene_)(time()).f;
+    canvas.gap(point(at.wheel.at({R, 0.0})),
+               point(at.wheel.x + R * Vector2d(std::cos(told), std::sin(told))));
     if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.4, draw::Dash::dotted);
     if (!show.forces) return;
     slider_crank::draw_forces(canvas, at, largest_force(),

@@ -16,6 +16,7 @@
 #include "05_revolute/study.hpp"
 #include "06_prismatic/study.hpp"
 #include "07_slider_crank/study.hpp"
+#include "09_drivers/study.hpp"
 #include "app/chapter.hpp"
 #include "app/player.hpp"
 #include "catch.hpp"
@@ -148,7 +149,8 @@ TEST_CASE("an open joint of any scene is seen, a closed one shows nothing") {
       {"7", [](const RunOptions& run) { return slider_crank::stage({}, run); }, {2.0, 0.005}},
       {"7, frame",
        [](const RunOptions& run) { return slider_crank::stage({.simulate_frame = true}, run); },
-       {2.0, 0.005}}};
+       {2.0, 0.005}},
+      {"9", [](const RunOptions& run) { return drivers::stage({}, run); }, {2.0, 0.02}}};
   for (const auto& [name, make, run] : scenes) {
     INFO("chapter " << name);
     RunOptions coarse = run;
