@@ -23,7 +23,8 @@ struct Plan {
   std::function<bool(double x, double y)> stable;    ///< measured, by running the scene
   std::function<double(double x, double y)> growth;  ///< theory: factor per step; above 1: unstable
   double theory_to = std::numeric_limits<double>::infinity();  ///< the y up to which it holds
-  int differing = 0;  ///< cells up to there in which it is known to be wrong
+  int differing = 0;      ///< cells up to there in which it is known to be wrong
+  bool of_gains = false;  ///< x is kd h and y is ks h²
 };
 
 struct Cell {
