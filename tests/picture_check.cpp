@@ -132,10 +132,11 @@ void compare(const std::string& chapter, const std::string& name, const Image& d
 /// All pictures of a chapter at the defaults of its program, and the plot of its committed report.
 void compare_all(const std::string& chapter, const std::vector<pictures::Picture>& pictures) {
   for (const pictures::Picture& picture : pictures)
-    compare(chapter, picture.name, draw::render({}, picture.draw));
+    compare(chapter, picture.name, draw::render({.captions = false}, picture.draw));
   const auto report = measure::read_csv(std::filesystem::path(TUTORIAL_SOURCE) / "chapters" /
                                         chapter / "snapshots" / "error_vs_time.csv");
-  compare(chapter, "error_vs_time", draw::render({}, pictures::error_picture(report).draw));
+  compare(chapter, "error_vs_time",
+          draw::render({.captions = false}, pictures::error_picture(report).draw));
 }
 
 }  // namespace picture_check

@@ -12,7 +12,7 @@ class AsPrinted : public parabola::ImplicitBead {
 
   // [printed]
   Vector constraint_force(const Vector& x, const Vector& v, const Vector& F) const {
-    const auto& [x0, m, g, p, Fx] = scene_;
+    const auto& [x0, m, g, p, Fx, without] = scene_;
     const double y = -(p * m * v.x() * v.x() + 2.0 * p * x.x() * F.x() + p * p * F.y()) /
                      (x.x() * x.x() + p * p);
     return {y * x.x() / p, y};

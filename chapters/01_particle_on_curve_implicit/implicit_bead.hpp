@@ -39,7 +39,8 @@ class ImplicitBead {
   Vector constraint_force(const Vector& x, const Vector& v, const Vector& F) const {
     const double m = scene_.mass;
     const Vector grad_C = gradient(x);
-    double load = 2.0 * m * v.x() * v.x() + grad_C.dot(F);
+    double load = grad_C.dot(F);
+    if (!scene_.without_velocity_term) load += 2.0 * m * v.x() * v.x();
     if (ks_ != 0.0 || kd_ != 0.0) load += m * (ks_ * C(x) + kd_ * grad_C.dot(v));
     const double lambda = -load / grad_C.squaredNorm();
     return lambda * grad_C;

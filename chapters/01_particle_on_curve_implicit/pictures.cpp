@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "erratum.hpp"
@@ -8,7 +9,6 @@
 #include "instruments/pictures/lesson.hpp"
 #include "study.hpp"
 #include "track.hpp"
-#include "turned_off.hpp"
 
 namespace particle_on_curve {
 namespace {
@@ -49,6 +49,7 @@ void draw_forces(Canvas& canvas, const Scene& scene, const Instant& instant,
   arrow({0.0, scene.applied_force().y()}, theme.weight, "weight");
   if (scene.force_x != 0.0) arrow({scene.force_x, 0.0}, theme.applied_force, "applied force");
   arrow(instant.constraint_force, theme.constraint_force, "constraint force λ∇C");
+  canvas.force_scale(metres_per_newton);
 }
 
 /// Metres for a newton, so that the larger of the forces is drawn a given part of the view long.
@@ -57,6 +58,24 @@ double force_scale(const Scene& scene, double largest_constraint_force, const dr
   const double largest = std::max(largest_constraint_force, scene.applied_force().norm());
   const double side = std::max(view.right - view.left, view.bottom - view.top);
   return largest > 0.0 ? part * side / largest : 0.0;
+}
+
+/// The curve alone, as the article shows it: twice as far out as the particle's start.
+Picture curve_picture(Scene scene) {
+  const double reach = scene.x0 == 0.0 ? 2.0 * scene.p : 2.0 * std::abs(scene.x0);
+  const draw::View view{-reach, 1.05 * scene.height(reach), reach, -0.15 * scene.height(reach)};
+  const std::string caption =
+      fmt::format("x² + 2py = 0 with p = {:g} m, from x = {:g} to {:g} m: y points down.", scene.p,
+                  -reach, reach);
+  return {"curve", [=](draw::Pen& pen) {
+            Canvas canvas(pen, draw::page(pen, "The curve x² + 2py = 0", caption), view);
+            canvas.axes("m");
+            std::vector<Point> points;
+            for (int i = -100; i <= 100; ++i)
+              points.push_back({reach * i / 100, scene.height(reach * i / 100)});
+            canvas.curve(points, canvas.theme().track, 2.4);
+            canvas.origin({0.0, 0.0});
+          }};
 }
 
 Picture scene_picture(const Scene& scene, const RunOptions& run) {
@@ -110,28 +129,32 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
   if (weight > 0.0)
     caption += fmt::format(", {:.2f} times the weight", middle.constraint_force.norm() / weight);
   caption += fmt::format(" ({}, step {:g} s).", run.method.label(), run.step);
-  return {
-      "motion", [=](draw::Pen& pen) {
-        const draw::Rect content = draw::page(
-            pen, fmt::format("{} exposures, from t = 0 to t = {:.2f} s", exposures, half), caption);
-        Canvas canvas(pen, content, view);
-        canvas.axes("m");
-        parabola::draw_track(canvas, scene, view);
-        for (std::size_t i = 0; i < instants.size(); ++i) {
-          const Instant& instant = instants[i];
-          canvas.arrow(point(instant.x), point(scale * instant.constraint_force),
-                       canvas.theme().constraint_force);
-          parabola::draw_bead(canvas, scene, instant.x,
-                              0.35 + 0.65 * static_cast<double>(i) / (exposures - 1));
-          const double side = instant.x.x() > 1e-9 * scene.x0 ? 1.0 : -1.0;
-          canvas.label(point(instant.x), fmt::format("{:.2f} s", instant.t), canvas.theme().muted,
-                       draw::Font::small, side > 0.0 ? draw::Align::left : draw::Align::right,
-                       {12.0 * side, 12.0});
-        }
-        canvas.label({0.5 * (view.left + view.right), view.top}, "arrows: constraint force λ∇C",
-                     canvas.theme().constraint_force, draw::Font::bold, draw::Align::center,
-                     {0.0, 16.0});
-      }};
+  return {"motion", [=](draw::Pen& pen) {
+            const draw::Rect content = draw::page(
+                pen,
+                fmt::format("A particle on a curve: {} exposures, from t = 0 to t = {:.2f} s",
+                            exposures, half),
+                caption);
+            Canvas canvas(pen, content, view);
+            canvas.axes("m");
+            parabola::draw_track(canvas, scene, view);
+            for (std::size_t i = 0; i < instants.size(); ++i) {
+              const Instant& instant = instants[i];
+              canvas.arrow(point(instant.x), point(scale * instant.constraint_force),
+                           canvas.theme().constraint_force);
+              parabola::draw_bead(canvas, scene, instant.x,
+                                  0.35 + 0.65 * static_cast<double>(i) / (exposures - 1));
+              const double side = instant.x.x() > 1e-9 * scene.x0 ? 1.0 : -1.0;
+              canvas.label(point(instant.x), fmt::format("{:.2f} s", instant.t),
+                           canvas.theme().muted, draw::Font::small,
+                           side > 0.0 ? draw::Align::left : draw::Align::right,
+                           {12.0 * side, 12.0});
+            }
+            canvas.force_scale(scale);
+            canvas.label({0.5 * (view.left + view.right), view.top}, "arrows: constraint force λ∇C",
+                         canvas.theme().constraint_force, draw::Font::bold, draw::Align::center,
+                         {0.0, 16.0});
+          }};
 }
 
 pictures::Drift drift(const Scene& scene, const mechanics::Method& method, double duration,
@@ -150,8 +173,8 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
       run.step, run.duration, pictures::figure(drifts.front().largest_constraint_error),
       pictures::figure(drifts[3].largest_constraint_error),
       pictures::figure(drifts[4].largest_constraint_error));
-  return pictures::drift_picture("drift", "How five methods leave the curve", caption, drifts,
-                                 "m²");
+  return pictures::drift_picture("drift", "A particle on a curve: how five methods leave it",
+                                 caption, drifts, "m²");
 }
 
 Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
@@ -168,7 +191,8 @@ Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
       "with projection.",
       duration, run.step, pictures::figure(drifts[0].largest_constraint_error),
       pictures::figure(drifts[1].largest_constraint_error));
-  return pictures::drift_picture("stabilization", "Holding the drift down", caption, drifts, "m²");
+  return pictures::drift_picture(
+      "stabilization", "A particle on a curve: three ways with the drift", caption, drifts, "m²");
 }
 
 Picture erratum_picture(Scene scene, const RunOptions& run) {
@@ -185,20 +209,6 @@ Picture erratum_picture(Scene scene, const RunOptions& run) {
       pictures::figure(drifts[1].largest_constraint_error));
   return pictures::drift_picture("erratum", "The article's misprint, exposed by a horizontal force",
                                  caption, drifts, "m²");
-}
-
-Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
-  mechanics::Motion<WithoutJdotV> without(WithoutJdotV(scene), {});
-  Motion with = motion(scene, {});
-  const std::vector<pictures::Drift> drifts{
-      pictures::drift("without 2 m vx²", without, run.duration, run.step),
-      pictures::drift("with 2 m vx²", with, run.duration, run.step)};
-  const std::string caption = fmt::format(
-      "Without 2 m vx² the particle strays to |C| = {} m², with it to {} m² (rk4, step {:g} s).",
-      pictures::figure(drifts[0].largest_constraint_error),
-      pictures::figure(drifts[1].largest_constraint_error), run.step);
-  return pictures::drift_picture("turned_off", "The term that follows the bend, left out", caption,
-                                 drifts, "m²");
 }
 
 class BeadStage final : public pictures::Stage {
@@ -256,12 +266,31 @@ class BeadStage final : public pictures::Stage {
   mechanics::Motion<parabola::HeldBead> motion_;
 };
 
+Picture turned_off_picture(Scene scene, const RunOptions& run) {
+  const RunOptions part{.duration = 0.3 * run.duration, .step = run.step};
+  std::array<std::unique_ptr<pictures::Stage>, 2> stages;
+  std::array<double, 2> off;
+  for (const std::size_t with : {0U, 1U}) {
+    scene.without_velocity_term = with == 0;
+    off[with] = drift(scene, {}, part.duration, part.step).largest_constraint_error;
+    stages[with] = std::make_unique<BeadStage>(scene, part);
+  }
+  const std::string caption = fmt::format(
+      "Both after {:g} s: without 2 m vx² the particle strays to |C| = {} m², with it to {} m² "
+      "(rk4, step {:g} s). The red line shows how far it is from the curve.",
+      part.duration, pictures::figure(off[0]), pictures::figure(off[1]), part.step);
+  return pictures::beside("turned_off", "A particle on a curve: the term that follows the bend",
+                          std::move(stages[0]), "without 2 m vx²", std::move(stages[1]),
+                          "with 2 m vx²", part.duration, caption);
+}
+
 }  // namespace
 
 std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
-  return {scene_picture(scene, run),   motion_picture(scene, run),
-          drift_picture(scene, run),   stabilization_picture(scene, run),
-          erratum_picture(scene, run), turned_off_picture(scene, run)};
+  return {
+      curve_picture(scene),          scene_picture(scene, run),         motion_picture(scene, run),
+      drift_picture(scene, run),     stabilization_picture(scene, run), erratum_picture(scene, run),
+      turned_off_picture(scene, run)};
 }
 
 std::unique_ptr<pictures::Stage> stage(const Scene& scene, const RunOptions& run) {

@@ -11,7 +11,8 @@ struct Scene {
   double mass = 1.0;      ///< m [kg]
   double gravity = 9.81;  ///< g [m/s²], along +y: down
   double p = 50.0;  ///< half the parameter of the curve [m]; its radius of curvature at the bottom
-  double force_x = 0.0;  ///< constant horizontal force [N]
+  double force_x = 0.0;                ///< constant horizontal force [N]
+  bool without_velocity_term = false;  ///< what the bend asks of a moving bead is left out
 
   /// The same scene in units L, T and m times smaller.
   Scene scaled(double L, double T, double m) const {

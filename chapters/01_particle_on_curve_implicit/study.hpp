@@ -15,7 +15,7 @@ std::vector<double> errors(const parabola::Scene& scene, const mechanics::Row& r
 /// The stiff and extreme cases of the bead, each with the outcome that is expected of it.
 measure::Stability stability();
 
-/// The pictures of the lesson: scene, motion, drift, stabilization, erratum, turned_off.
+/// The pictures of the lesson: curve, scene, motion, drift, stabilization, erratum, turned_off.
 std::vector<pictures::Picture> pictures(const parabola::Scene& scene,
                                         const measure::RunOptions& run);
 

@@ -18,7 +18,6 @@
 #include "picture_check.hpp"
 #include "stability_check.hpp"
 #include "study.hpp"
-#include "turned_off.hpp"
 
 using Eigen::Vector2d;
 using mechanics::Method;
@@ -28,7 +27,6 @@ using parabola::ExactMotion;
 using parabola::ImplicitBead;
 using parabola::Scene;
 using particle_on_curve::AsPrinted;
-using particle_on_curve::WithoutJdotV;
 
 namespace {
 
@@ -329,7 +327,7 @@ TEST_CASE("without J̇v the constraint gives way by C̈ = 2 vx²") {
   const Scene scene;
   const Vector2d x(30, -9), v(5, -3);
   Vector2d a;
-  WithoutJdotV(scene).acceleration(0, x, v, a);
+  ImplicitBead({.without_velocity_term = true}).acceleration(0, x, v, a);
   const double Cddot = 2 * v.x() * v.x() + ImplicitBead(scene).gradient(x).dot(a);
   CHECK(Cddot == Approx(2 * 5.0 * 5.0));
 }

@@ -26,8 +26,9 @@ class ParametricBead {
 
   // [acceleration]
   void acceleration(double, double q, double qdot, double& qddot) const {
-    const auto& [x0, m, g, p, Fx] = scene_;
-    qddot = (-q * qdot * qdot - p * g * q + p * p * Fx / m) / (p * p + q * q);
+    const auto& [x0, m, g, p, Fx, without_velocity_term] = scene_;
+    const double velocity_term = without_velocity_term ? 0.0 : -q * qdot * qdot;
+    qddot = (velocity_term - p * g * q + p * p * Fx / m) / (p * p + q * q);
   }
   // [acceleration]
 

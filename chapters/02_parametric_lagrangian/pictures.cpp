@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "01_particle_on_curve_implicit/exact.hpp"
@@ -8,7 +9,6 @@
 #include "instruments/pictures/lesson.hpp"
 #include "parametric_bead.hpp"
 #include "study.hpp"
-#include "turned_off.hpp"
 
 namespace parametric_lagrangian {
 namespace {
@@ -159,17 +159,13 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
 
 Picture drift_picture(const Scene& scene, const RunOptions& run) {
   std::vector<pictures::Drift> drifts;
-  std::vector<draw::Dash> dashes;
-  std::vector<int> colors;
   using enum integrators::Scheme;
   for (const auto integrator : {explicit_euler, semi_implicit_euler, rk4}) {
     Implicit implicit(ImplicitBead(scene), {.integrator = integrator});
     Parametric parametric(ParametricBead(scene), {.integrator = integrator});
     const std::string name(integrators::info(integrator).text);
-    drifts.push_back(pictures::drift("implicit, " + name, implicit, run.duration, run.step));
-    drifts.push_back(pictures::drift("parametric, " + name, parametric, run.duration, run.step));
-    dashes.insert(dashes.end(), {draw::Dash::solid, draw::Dash::dashed});
-    colors.insert(colors.end(), 2, static_cast<int>(integrator));
+    drifts.push_back(pictures::drift(name + ", implicit", implicit, run.duration, run.step));
+    drifts.push_back(pictures::drift(name + ", parametric", parametric, run.duration, run.step));
   }
   const std::string caption = fmt::format(
       "RK4, step {:g} s, {:g} s: the implicit particle strays to |C| = {} m², the "
@@ -178,30 +174,8 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
       run.step, run.duration, pictures::figure(drifts[4].largest_constraint_error),
       pictures::figure(drifts[4].largest_energy_error),
       pictures::figure(drifts[5].largest_energy_error));
-  return pictures::drift_picture("drift", "What each description lets go", caption, drifts, "m²",
-                                 dashes, colors);
-}
-
-Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
-  mechanics::Motion<WithoutVelocityTerm> without(WithoutVelocityTerm(scene), {});
-  Parametric with(ParametricBead(scene), {});
-  const std::vector<pictures::Drift> drifts{
-      pictures::drift("without −q (dq/dt)²", without, run.duration, run.step),
-      pictures::drift("with −q (dq/dt)²", with, run.duration, run.step)};
-  const std::string caption = fmt::format(
-      "Both stay on the curve to rounding. Without the velocity term the energy is off by {} J, "
-      "with it by "
-      "{} J (rk4, step {:g} s).",
-      pictures::figure(drifts[0].largest_energy_error),
-      pictures::figure(drifts[1].largest_energy_error), run.step);
-  return {"turned_off", [=](draw::Pen& pen) {
-            draw::Plot plot{.x = {.label = "time [s]", .min = 0.0, .max = run.duration},
-                            .y = {.label = "energy error [J]", .log = true}};
-            for (const pictures::Drift& drift : drifts)
-              plot.curves.push_back(
-                  {.label = drift.label, .points = drift.energy_error, .thickness = 2.2});
-            draw::draw_plot(pen, draw::page(pen, "The velocity term, left out", caption), plot);
-          }};
+  return pictures::drift_picture("drift", "A particle on a curve: what each description lets go",
+                                 caption, drifts, "m²");
 }
 
 /// The parametric particle with a hand's force: the part of it along dx/dq = (1, −q/p) acts on q.
@@ -323,6 +297,58 @@ class PairStage final : public pictures::Stage {
   mechanics::Motion<parabola::HeldBead> implicit_;
   mechanics::Motion<HeldParametric> parametric_;
 };
+
+/// The parametric particle with the velocity term and without, and what the energy says of both.
+Picture turned_off_picture(Scene scene, const RunOptions& run) {
+  const parabola::ExactMotion exact(scene);
+  const double time = 0.25 * run.duration;
+  std::array<pictures::Drift, 2> drifts;
+  std::array<Vector2d, 2> places;
+  for (const std::size_t with : {0U, 1U}) {
+    scene.without_velocity_term = with == 0;
+    Parametric bead(ParametricBead(scene), {});
+    bead.advance(std::lround(time / run.step), run.step);
+    places[with] = bead.model().x(bead.q());
+    drifts[with] = pictures::drift(with == 0 ? "without −q (dq/dt)²" : "with −q (dq/dt)²", bead,
+                                   run.duration, run.step);
+  }
+  const std::string caption = fmt::format(
+      "Left: both after {:g} s, the ring is the exact place; they are on the curve to rounding. "
+      "Right: over {:g} s the energy is off by {} J without the velocity term, by {} J with it "
+      "(rk4, step {:g} s).",
+      time, run.duration, pictures::figure(drifts[0].largest_energy_error),
+      pictures::figure(drifts[1].largest_energy_error), run.step);
+  const double q = exact.at(time).q;
+  const Vector2d truth(q, scene.height(q));
+  const draw::View view = parabola::view(scene, {scene, run.duration}, 0.1, 0.1);
+  return {"turned_off", [=](draw::Pen& pen) {
+            const draw::Rect content =
+                draw::page(pen, "A particle on a curve: the velocity term, left out", caption);
+            const double gap = 20.0, width = 0.5 * (content.width - gap);
+            draw::Plot plot{.x = {.label = "time [s]", .min = 0.0, .max = run.duration},
+                            .y = {.label = "energy error [J]", .log = true},
+                            .legend = draw::Legend::above};
+            for (const pictures::Drift& drift : drifts)
+              plot.curves.push_back({.label = drift.label,
+                                     .points = drift.energy_error,
+                                     .thickness = 2.2,
+                                     .markers = true,
+                                     .mark_every = 50});
+            draw::draw_plot(pen, {content.left + width + gap, content.top, width, content.height},
+                            plot);
+            Canvas canvas(pen, {content.left, content.top, width, content.height}, view);
+            canvas.axes("m");
+            parabola::draw_track(canvas, scene, view);
+            canvas.bead(point(truth), 11.0, draw::transparent, canvas.theme().constraint_force);
+            for (const std::size_t with : {0U, 1U}) {
+              parabola::draw_bead(canvas, scene, places[with]);
+              canvas.label(point(places[with]), with == 0 ? "without" : "with",
+                           with == 0 ? canvas.theme().warning : canvas.theme().ink,
+                           draw::Font::bold, with == 0 ? draw::Align::left : draw::Align::right,
+                           {with == 0 ? 14.0 : -18.0, 6.0});
+            }
+          }};
+}
 
 }  // namespace
 

@@ -153,6 +153,8 @@ int study(int argc, char** argv) {
       {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, app::not_negative, app::acts},
       {"--p", "m", "half the parameter of the parabola x² + 2py = 0", &scene.p, app::positive},
       {"--force-x", "N", "constant horizontal force", &scene.force_x, app::any, app::acts},
+      {"--without=velocity-term", "", "−q (dq/dt)², and 2 m vx² of the implicit particle",
+       &scene.without_velocity_term, app::on_or_off, app::acts},
   };
   chapter.defaults = {.duration = 20.0, .step = 0.01};
   chapter.has_constraints = false;

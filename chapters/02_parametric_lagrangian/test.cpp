@@ -56,7 +56,7 @@ TEST_CASE("the equation of motion is Lagrange's: d/dt ∂L/∂q̇ = ∂L/∂q, b
     const Scene scene = number.scene();
     const double q = number(), qdot = number();
     const auto L = [&](double at, double rate) {
-      const auto& [x0, m, g, p, Fx] = scene;
+      const auto& [x0, m, g, p, Fx, without] = scene;
       return m * rate * rate * (1 + at * at / (p * p)) / 2 - m * g * at * at / (2 * p) + Fx * at;
     };
     // L is quadratic in q̇ and in q: central differences are exact but for rounding.

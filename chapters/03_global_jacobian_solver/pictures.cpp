@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "01_particle_on_curve_implicit/exact.hpp"
@@ -30,7 +31,7 @@ struct Instant {
   Vector2d x1, x2, curve1, curve2, rod1;  // forces of the curve on each bead, of the rod on bead1
 };
 
-Instant now(Motion& motion) {
+Instant now(mechanics::Simulation& motion) {
   const mechanics::Row row = motion.row();
   const auto pair = [](const std::vector<double>& values, std::size_t i) {
     return Vector2d(values[i], values[i + 1]);
@@ -106,10 +107,11 @@ void draw_forces(Canvas& canvas, const Instant& i, double scale, bool labelled) 
     canvas.arrow(point(at), point(scale * force), color,
                  labelled ? fmt::format("{} {} N", name, pictures::rounded(force.norm())) : "");
   };
-  arrow(i.x1, i.curve1, canvas.theme().constraint_force, "curve");
-  arrow(i.x2, i.curve2, canvas.theme().constraint_force, "curve");
-  arrow(i.x1, i.rod1, rod_color(canvas), "rod");
-  arrow(i.x2, -i.rod1, rod_color(canvas), "rod");
+  arrow(i.x1, i.curve1, canvas.theme().constraint_force, "λ₁∇C₁");
+  arrow(i.x2, i.curve2, canvas.theme().constraint_force, "λ₂∇C₂");
+  arrow(i.x1, i.rod1, rod_color(canvas), "−λ₃d");
+  arrow(i.x2, -i.rod1, rod_color(canvas), "λ₃d");
+  canvas.force_scale(scale);
 }
 
 /// Chapter 1's scene over half a period: its formula as a line, the global solver as marks.
@@ -156,32 +158,40 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
       "Two beads, one curve, one rod of {:.4g} m: 4 coordinates, 3 constraints, 1 degree of "
       "freedom. At rest the rod carries {} N.",
       scene.rod(), pictures::rounded(instant.rod1.norm()));
-  return {"scene", [=](draw::Pen& pen) {
-            Canvas canvas(pen, draw::page(pen, "Two beads on a curve, joined by a rod", caption),
-                          seen);
-            canvas.axes("m");
-            draw_track(canvas, scene, seen);
-            const double middle = 0.5 * (seen.left + seen.right);
-            canvas.label({middle, seen.top},
-                         fmt::format("curve: C = x² + 2py = 0,  p = {:g} m", scene.p),
-                         canvas.theme().track, draw::Font::bold, draw::Align::center, {0.0, 20.0});
-            canvas.label({middle, seen.top},
-                         fmt::format("rod: C = ½(|d|² − l²) = 0,  l = {:.4g} m", scene.rod()),
-                         rod_color(canvas), draw::Font::bold, draw::Align::center, {0.0, 42.0});
-            canvas.arrow(point(instant.x1), {0.0, scale * weight1}, canvas.theme().weight,
-                         fmt::format("weight {} N", pictures::rounded(weight1)));
-            canvas.arrow(point(instant.x2), {0.0, scale * weight2}, canvas.theme().weight,
-                         fmt::format("weight {} N", pictures::rounded(weight2)));
-            draw_rod(canvas, scene, instant);
-            draw_forces(canvas, instant, scale, true);
-            draw_beads(canvas, scene, instant);
-            const double side = scene.x2 > scene.x1 ? 1.0 : -1.0;
-            const auto outer = side > 0.0 ? draw::Align::left : draw::Align::right;
-            canvas.label(point(instant.x2), fmt::format("bead2, {:g} kg", scene.m2),
-                         canvas.theme().ink, draw::Font::bold, outer, {14.0 * side, 14.0});
-            canvas.label(point(instant.x1), fmt::format("bead1, {:g} kg", scene.m1),
-                         canvas.theme().ink, draw::Font::bold, outer, {14.0 * side, 14.0});
-          }};
+  return {
+      "scene", [=](draw::Pen& pen) {
+        Canvas canvas(pen, draw::page(pen, "Two beads on a curve, joined by a rod", caption), seen);
+        canvas.axes("m");
+        draw_track(canvas, scene, seen);
+        const double middle = 0.5 * (seen.left + seen.right);
+        canvas.label({middle, seen.top},
+                     fmt::format("curve: C = x² + 2py = 0,  p = {:g} m;  force λ∇C", scene.p),
+                     canvas.theme().track, draw::Font::bold, draw::Align::center, {0.0, 20.0});
+        canvas.label(
+            {middle, seen.top},
+            fmt::format("rod: C₃ = ½(|d|² − l²) = 0,  l = {:.4g} m;  force ±λ₃d", scene.rod()),
+            rod_color(canvas), draw::Font::bold, draw::Align::center, {0.0, 42.0});
+        canvas.arrow(point(instant.x1), {0.0, scale * weight1}, canvas.theme().weight,
+                     fmt::format("weight {} N", pictures::rounded(weight1)));
+        canvas.arrow(point(instant.x2), {0.0, scale * weight2}, canvas.theme().weight,
+                     fmt::format("weight {} N", pictures::rounded(weight2)));
+        draw_rod(canvas, scene, instant);
+        // d beside the rod, from bead1 to bead2
+        const Vector2d d = instant.x2 - instant.x1;
+        const Vector2d aside = 18.0 / canvas.points_per_metre() *
+                               Vector2d(-d.y(), d.x()).normalized() * (d.x() > 0.0 ? 1.0 : -1.0);
+        canvas.arrow(point(instant.x1 + aside), point(d), canvas.theme().ink);
+        canvas.label(point(instant.x1 + aside + 0.4 * d), "d = x₂ − x₁", canvas.theme().ink,
+                     draw::Font::bold, draw::Align::left, {10.0, 12.0});
+        draw_forces(canvas, instant, scale, true);
+        draw_beads(canvas, scene, instant);
+        const double side = scene.x2 > scene.x1 ? 1.0 : -1.0;
+        const auto outer = side > 0.0 ? draw::Align::left : draw::Align::right;
+        canvas.label(point(instant.x2), fmt::format("bead2, {:g} kg", scene.m2), canvas.theme().ink,
+                     draw::Font::bold, outer, {14.0 * side, 32.0});
+        canvas.label(point(instant.x1), fmt::format("bead1, {:g} kg", scene.m1), canvas.theme().ink,
+                     draw::Font::bold, outer, {14.0 * side, 32.0});
+      }};
 }
 
 Picture jacobian_picture(const Scene& scene) {
@@ -241,34 +251,36 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
   const std::string caption = fmt::format(
       "Of these exposures the rod carries most at t = {:.2f} s, {} N ({}, step {:g} s).", rod_time,
       pictures::rounded(rod_force), run.method.label(), run.step);
-  return {"motion", [=](draw::Pen& pen) {
-            Canvas canvas(
-                pen,
-                draw::page(pen,
-                           fmt::format("{} exposures, from t = 0 to t = {:.2f} s", exposures, half),
-                           caption),
-                seen);
-            canvas.axes("m");
-            draw_track(canvas, scene, seen);
-            for (std::size_t i = 0; i < instants.size(); ++i) {
-              const Instant& instant = instants[i];
-              const double presence = 0.3 + 0.7 * static_cast<double>(i) / (exposures - 1);
-              draw_rod(canvas, scene, instant, presence);
-              draw_beads(canvas, scene, instant, presence);
-              draw_forces(canvas, instant, scale, false);
-              const Vector2d d = (instant.x2 - instant.x1).normalized();
-              const Vector2d up = d.x() > 0.0 ? Vector2d(d.y(), -d.x()) : Vector2d(-d.y(), d.x());
-              canvas.label(point(0.5 * (instant.x1 + instant.x2)),
-                           fmt::format("{:.1f} s", instant.t), canvas.theme().muted,
-                           draw::Font::small, draw::Align::center, {26.0 * up.x(), 14.0 * up.y()});
-            }
-            const double middle = 0.5 * (seen.left + seen.right);
-            canvas.label({middle, seen.top}, "force of the curve on each bead",
-                         canvas.theme().constraint_force, draw::Font::bold, draw::Align::center,
-                         {0.0, 16.0});
-            canvas.label({middle, seen.top}, "force of the rod on each bead", rod_color(canvas),
-                         draw::Font::bold, draw::Align::center, {0.0, 36.0});
-          }};
+  return {
+      "motion", [=](draw::Pen& pen) {
+        Canvas canvas(
+            pen,
+            draw::page(pen,
+                       fmt::format("Two beads and a rod: {} exposures, from t = 0 to t = {:.2f} s",
+                                   exposures, half),
+                       caption),
+            seen);
+        canvas.axes("m");
+        draw_track(canvas, scene, seen);
+        for (std::size_t i = 0; i < instants.size(); ++i) {
+          const Instant& instant = instants[i];
+          const double presence = 0.3 + 0.7 * static_cast<double>(i) / (exposures - 1);
+          draw_rod(canvas, scene, instant, presence);
+          draw_beads(canvas, scene, instant, presence);
+          draw_forces(canvas, instant, scale, false);
+          const Vector2d d = (instant.x2 - instant.x1).normalized();
+          const Vector2d up = d.x() > 0.0 ? Vector2d(d.y(), -d.x()) : Vector2d(-d.y(), d.x());
+          canvas.label(point(0.5 * (instant.x1 + instant.x2)), fmt::format("{:.1f} s", instant.t),
+                       canvas.theme().muted, draw::Font::small, draw::Align::center,
+                       {26.0 * up.x(), 14.0 * up.y()});
+        }
+        const double middle = 0.5 * (seen.left + seen.right);
+        canvas.label({middle, seen.top}, "force of the curve on each bead",
+                     canvas.theme().constraint_force, draw::Font::bold, draw::Align::center,
+                     {0.0, 16.0});
+        canvas.label({middle, seen.top}, "force of the rod on each bead", rod_color(canvas),
+                     draw::Font::bold, draw::Align::center, {0.0, 36.0});
+      }};
 }
 
 pictures::Drift drift(const Scene& scene, const mechanics::Method& method, double duration,
@@ -286,7 +298,7 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
       "dop853 to {} m².",
       run.step, run.duration, figure(drifts.front().largest_constraint_error),
       figure(drifts[3].largest_constraint_error), figure(drifts[4].largest_constraint_error));
-  return pictures::drift_picture("drift", "How five methods let go of three constraints", caption,
+  return pictures::drift_picture("drift", "Two beads and a rod: how five methods let go", caption,
                                  drifts, "m²");
 }
 
@@ -297,9 +309,9 @@ Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
   std::vector<pictures::Drift> drifts;
   for (const auto& [label, method] :
        {std::pair{"rk4", mechanics::Method{}},
-        {"feedback, ks = 1, kd = 2", {rk4, Stabilization::feedback, 1.0, 2.0}},
-        {"feedback, ks = 25, kd = 10", {rk4, Stabilization::feedback, 25.0, 10.0}},
-        {"projection", {rk4, Stabilization::projection}}}) {
+        {"rk4 + feedback, ks = 1, kd = 2", {rk4, Stabilization::feedback, 1.0, 2.0}},
+        {"rk4 + feedback, ks = 25, kd = 10", {rk4, Stabilization::feedback, 25.0, 10.0}},
+        {"rk4 + projection", {rk4, Stabilization::projection}}}) {
     drifts.push_back(drift(scene, method, duration, step));
     drifts.back().label = label;
   }
@@ -308,30 +320,17 @@ Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
       "feedback, {} m² with hard feedback, rounding with projection.",
       step, duration, figure(drifts[0].largest_constraint_error),
       figure(drifts[1].largest_constraint_error), figure(drifts[2].largest_constraint_error));
-  return pictures::drift_picture("stabilization", "Holding the drift down", caption, drifts, "m²");
+  return pictures::drift_picture("stabilization", "Two beads and a rod: four ways with the drift",
+                                 caption, drifts, "m²");
 }
 
-Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
-  const double duration = 0.15 * run.duration;  // before it flies apart altogether
-  mechanics::Motion<OneByOne> apart(OneByOne(scene), {});
-  Motion together = motion(scene, {});
-  const std::vector<pictures::Drift> drifts{
-      pictures::drift("each constraint by itself", apart, duration, run.step),
-      pictures::drift("all of J W Jᵀ", together, duration, run.step)};
-  const std::string caption = fmt::format(
-      "One by one the forces break each other's constraints: |C| = {} m² after {:g} s. Solved "
-      "together: {} m² (rk4, step {:g} s).",
-      figure(drifts[0].largest_constraint_error), duration,
-      figure(drifts[1].largest_constraint_error), run.step);
-  return pictures::drift_picture("turned_off", "The blocks beside the diagonal, left out", caption,
-                                 drifts, "m²");
-}
-
-class DumbbellStage final : public pictures::MechanismStage {
+/// The beads as the global solver moves them, or one that solves each constraint by itself.
+template <class Model>
+class DumbbellStage final : public pictures::MechanismStage<Model> {
  public:
-  DumbbellStage(const Scene& scene, const RunOptions& run)
-      : MechanismStage(run, make_mechanism(scene, run.method)), scene_(scene) {
-    begin(dumbbell::view(scene, run.duration));
+  DumbbellStage(const Scene& scene, const RunOptions& run, Model model)
+      : pictures::MechanismStage<Model>(run, std::move(model)), scene_(scene) {
+    this->begin(dumbbell::view(scene, run.duration));
   }
 
   std::string title() const override { return "Two beads on a curve, joined by a rod"; }
@@ -339,31 +338,63 @@ class DumbbellStage final : public pictures::MechanismStage {
     return fmt::format(
         "t = {:.3f} s: bead1 at x = {} m, bead2 at x = {} m, |C| = {} m² ({}, step {:g} "
         "s).",
-        time(), pictures::rounded(motion.q()[0], 3), pictures::rounded(motion.q()[2], 3),
-        figure(motion.measures().constraint_error), run().method.label(), run().step);
+        this->time(), pictures::rounded(this->motion.q()[0], 3),
+        pictures::rounded(this->motion.q()[2], 3), figure(this->motion.measures().constraint_error),
+        this->run().method.label(), this->run().step);
   }
 
  private:
   void draw_things(Canvas& canvas, const pictures::Show& show) override {
-    draw_track(canvas, scene_, view());
+    draw_track(canvas, scene_, this->view());
     if (show.trail)
       for (const std::size_t bead : {0U, 1U})
-        canvas.curve(trail(bead), canvas.theme().velocity, 2.0, draw::Dash::dotted);
-    const Instant instant = now(motion);
+        canvas.curve(this->trail(bead), canvas.theme().velocity, 2.0, draw::Dash::dotted);
+    const Instant instant = now(this->motion);
     draw_rod(canvas, scene_, instant);
     if (show.forces)
-      draw_forces(canvas, instant, force_scale(largest_force(), view(), 0.2), show.numbers);
+      draw_forces(canvas, instant, force_scale(this->largest_force(), this->view(), 0.2),
+                  show.numbers);
     draw_beads(canvas, scene_, instant);
   }
 
   std::vector<draw::Point> marks() const override {
-    return {{motion.q()[0], motion.q()[1]}, {motion.q()[2], motion.q()[3]}};
+    return {{this->motion.q()[0], this->motion.q()[1]}, {this->motion.q()[2], this->motion.q()[3]}};
   }
-  double force() override { return dumbbell::largest_force(now(motion)); }
+  double force() override { return dumbbell::largest_force(now(this->motion)); }
   draw::Point half_size(const dynamics::ThingInfo&) const override { return {}; }
 
   Scene scene_;
 };
+
+std::unique_ptr<pictures::Stage> make_stage(const Scene& scene, const RunOptions& run) {
+  if (scene.without_coupling)
+    return std::make_unique<DumbbellStage<OneByOne>>(scene, run, OneByOne(scene, run.method));
+  return std::make_unique<DumbbellStage<mechanics::Mechanism>>(scene, run,
+                                                               make_mechanism(scene, run.method));
+}
+
+Picture turned_off_picture(Scene scene, const RunOptions& run) {
+  const RunOptions part{.duration = 0.15 * run.duration, .step = run.step};
+  std::array<std::unique_ptr<pictures::Stage>, 2> stages;
+  std::array<double, 2> off;
+  for (const std::size_t together : {0U, 1U}) {
+    scene.without_coupling = together == 0;
+    stages[together] = make_stage(scene, part);
+    mechanics::Motion<OneByOne> apart(OneByOne(scene), {});
+    Motion beads = motion(scene, {});
+    mechanics::Simulation& simulation =
+        together == 0 ? static_cast<mechanics::Simulation&>(apart) : beads;
+    off[together] =
+        pictures::drift("", simulation, part.duration, part.step).largest_constraint_error;
+  }
+  const std::string caption = fmt::format(
+      "Both after {:g} s: one by one the forces break each other's constraints, |C| = {} m². "
+      "Solved together: {} m² (rk4, step {:g} s).",
+      part.duration, figure(off[0]), figure(off[1]), part.step);
+  return pictures::beside("turned_off", "Two beads and a rod: the blocks beside the diagonal",
+                          std::move(stages[0]), "each constraint by itself", std::move(stages[1]),
+                          "all of J W Jᵀ", part.duration, caption);
+}
 
 }  // namespace
 
@@ -375,7 +406,7 @@ std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
 }
 
 std::unique_ptr<pictures::Stage> stage(const Scene& scene, const RunOptions& run) {
-  return std::make_unique<DumbbellStage>(scene, run);
+  return make_stage(scene, run);
 }
 
 }  // namespace dumbbell

@@ -6,6 +6,7 @@
 #include "app/chapter.hpp"
 #include "exact.hpp"
 #include "mechanism.hpp"
+#include "turned_off.hpp"
 
 namespace dumbbell {
 namespace {
@@ -115,6 +116,8 @@ int study(int argc, char** argv) {
       {"--m2", "kg", "mass of bead2", &scene.m2, app::positive, app::acts},
       {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, app::not_negative, app::acts},
       {"--p", "m", "half the parameter of the parabola x² + 2py = 0", &scene.p, app::positive},
+      {"--without=coupling", "", "the part of J W Jᵀ beside its diagonal", &scene.without_coupling,
+       app::on_or_off, app::acts},
   };
   chapter.defaults = {.duration = 20.0, .step = 0.01};
   chapter.constraint_unit = "m²";
@@ -123,8 +126,12 @@ int study(int argc, char** argv) {
     return parabola::Scene{.x0 = x0, .gravity = scene.gravity, .p = scene.p}.fastest();
   };
 
-  chapter.start =
-      measure::start_of([&scene](const Method& method) { return make_mechanism(scene, method); });
+  chapter.start = [&scene](const Method& method) {
+    const auto one_by_one = [&](const Method& its) { return OneByOne(scene, its); };
+    const auto together = [&](const Method& its) { return make_mechanism(scene, its); };
+    return scene.without_coupling ? measure::start_of(one_by_one)(method)
+                                  : measure::start_of(together)(method);
+  };
 
   chapter.quantities = {{"position", "m"}, {"velocity", "m/s"}, {"constraint forces", "N"}};
   chapter.errors = [&scene](const mechanics::Row& row) { return errors(scene, row); };

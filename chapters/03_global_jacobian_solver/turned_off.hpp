@@ -8,8 +8,8 @@ namespace dumbbell {
 /// only the diagonal is used. Each force keeps its own C̈ at zero, and the others then break it.
 class OneByOne : public mechanics::Mechanism {
  public:
-  explicit OneByOne(const Scene& scene)
-      : Mechanism(make_mechanism(scene, {})), free_(0, scene.gravity, 0, scene.gravity) {}
+  explicit OneByOne(const Scene& scene, const mechanics::Method& method = {})
+      : Mechanism(make_mechanism(scene, method)), free_(0, scene.gravity, 0, scene.gravity) {}
 
   // [one_by_one]
   void acceleration(double t, const Vector& q, const Vector& v, Vector& a) {

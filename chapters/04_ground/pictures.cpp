@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "exact.hpp"
 #include "instruments/pictures/lesson.hpp"
@@ -49,8 +50,8 @@ double largest(const Scene& scene, const Instant& at) {
       {scene.mass * scene.gravity, std::abs(scene.load_at(at.t)), at.reaction.head<2>().norm()});
 }
 
-/// Weight, load and reaction as arrows, the largest of them 0.38 m long, and the reaction's moment
-/// in words.
+/// Weight, load and reaction as arrows, the largest of them 0.38 m long, the load's lever, and the
+/// reaction's moment as an arc.
 void draw_forces(Canvas& canvas, const Scene& scene, const Instant& at, double largest,
                  bool labelled = true) {
   const auto& theme = canvas.theme();
@@ -60,6 +61,7 @@ void draw_forces(Canvas& canvas, const Scene& scene, const Instant& at, double l
   const Point centre{at.q.x(), at.q.y()};
   const Point edge{at.q.x() + 0.5 * scene.width * std::cos(at.q.z()),
                    at.q.y() + 0.5 * scene.width * std::sin(at.q.z())};
+  canvas.arrow(centre, edge - centre, theme.muted, label("lever b"));
   canvas.arrow(centre, {0.0, scale * weight}, theme.weight,
                label(fmt::format("weight {} N", pictures::rounded(weight))));
   canvas.arrow(edge, {0.0, scale * load}, theme.applied_force);
@@ -67,8 +69,14 @@ void draw_forces(Canvas& canvas, const Scene& scene, const Instant& at, double l
                theme.applied_force, draw::Font::text, draw::Align::left, {14.0, 14.0});
   canvas.arrow(
       centre, {scale * at.reaction.x(), scale * at.reaction.y()}, theme.constraint_force,
-      label(fmt::format("reaction {} N, {}{} N·m", pictures::rounded(at.reaction.head<2>().norm()),
-                        at.reaction.z() < 0.0 ? "" : "+", pictures::rounded(at.reaction.z()))));
+      label(fmt::format("reaction {} N", pictures::rounded(at.reaction.head<2>().norm()))));
+  if (const double moment = at.reaction.z(); std::abs(moment) > 1e-9) {
+    const double way = moment > 0.0 ? 1.0 : -1.0;  // clockwise to the eye
+    canvas.turn(centre, 44.0, std::numbers::pi - 0.8 * way, std::numbers::pi + 0.8 * way,
+                theme.constraint_force,
+                label(fmt::format("moment {} N·m", pictures::rounded(moment))));
+  }
+  canvas.force_scale(scale);
 }
 
 constexpr const char* plate_title = "A plate held by the ground";
@@ -119,8 +127,8 @@ Picture reaction_picture(const Scene& scene, const RunOptions& run) {
       "Over {:g} s the computed reaction differs from the exact one by at most {} N or N·m.",
       run.duration, pictures::figure(worst));
   return {"reaction", [=](draw::Pen& pen) {
-            const draw::Rect content =
-                draw::page(pen, "The reaction of the ground under the load 5 sin 2t", caption);
+            const draw::Rect content = draw::page(
+                pen, "A plate on the ground: its reaction under the load 5 sin 2t", caption);
             const double width = 0.5 * (content.width - 24.0);
             draw::Plot left{.title = "force",
                             .x = {.label = "time [s]"},
@@ -219,11 +227,14 @@ Picture step_picture() {
       ks, kd, factor(coarse), factor(fine));
   return {"too_large_a_step", [=](draw::Pen& pen) {
             draw::draw_plot(
-                pen, draw::page(pen, "A step beyond the limit, and one within it", caption), plot);
+                pen,
+                draw::page(pen, "A displaced plate: a step beyond the limit, and one within it",
+                           caption),
+                plot);
           }};
 }
 
-class PlateStage final : public pictures::MechanismStage {
+class PlateStage final : public pictures::MechanismStage<> {
  public:
   PlateStage(const Scene& scene, const RunOptions& run)
       : MechanismStage(run, make_mechanism(scene, run.method)), scene_(scene) {
@@ -258,11 +269,12 @@ class PlateStage final : public pictures::MechanismStage {
 std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
   const Scene off = displaced(scene);
   return {scene_picture(scene), reaction_picture(scene, run),
-          decay_picture("decay", "The way back, by three dampings", "ks = 25 1/s².", off, run.step,
+          decay_picture("decay", "A displaced plate: the way back, by three dampings",
+                        "ks = 25 1/s².", off, run.step,
                         {{25.0, 3.0, "kd = 3 1/s, underdamped"},
                          {25.0, 10.0, "kd = 10 1/s, critical"},
                          {25.0, 30.0, "kd = 30 1/s, overdamped"}}),
-          decay_picture("turned_off", "Feedback, in part and not at all",
+          decay_picture("turned_off", "A displaced plate: feedback, in part and not at all",
                         "Without kd the plate swings for ever, without both it stays off.", off,
                         run.step,
                         {{25.0, 10.0, "ks = 25 1/s², kd = 10 1/s"},

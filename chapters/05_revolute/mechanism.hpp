@@ -5,12 +5,13 @@
 #include "mechanics/joints/revolute.hpp"
 #include "mechanics/motion/mechanism.hpp"
 #include "scene.hpp"
+#include "turned_off.hpp"
 
 namespace revolute {
 
 // [scene]
-template <class Joint = joints::Revolute>
-mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method& method = {}) {
+template <class Joint>
+mechanics::Mechanism make_chain(const Scene& scene, const mechanics::Method& method) {
   mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
   system.set_gravity({0.0, scene.gravity});
@@ -24,8 +25,8 @@ mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method&
     const Vector2d x = (i + 0.5) * scene.l() * direction(scene.angle0);
     const auto rod = system.add_body(name, scene.m(), scene.I(), x, scene.angle0);
     const std::string joint = name + "_" + name_before;
-    const auto pin = i == 0 ? system.add(joint, Joint{start, {0.0, 0.0}}, rod, system.world)
-                            : system.add(joint, Joint{start, end}, rod, before);
+    const auto pin = i == 0 ? system.add(joint, Joint({start, {0.0, 0.0}}), rod, system.world)
+                            : system.add(joint, Joint({start, end}), rod, before);
     mechanism.report(joint, pin, rod);
     before = rod;
     name_before = name;
@@ -34,5 +35,11 @@ mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method&
   return mechanism;
 }
 // [scene]
+
+inline mechanics::Mechanism make_mechanism(const Scene& scene,
+                                           const mechanics::Method& method = {}) {
+  return scene.without_jdotv ? make_chain<WithoutJdotV<joints::Revolute>>(scene, method)
+                             : make_chain<joints::Revolute>(scene, method);
+}
 
 }  // namespace revolute

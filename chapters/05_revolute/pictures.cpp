@@ -7,7 +7,6 @@
 #include "instruments/pictures/mechanism_stage.hpp"
 #include "mechanism.hpp"
 #include "study.hpp"
-#include "turned_off.hpp"
 
 namespace revolute {
 namespace {
@@ -16,9 +15,8 @@ using namespace pictures::lesson;
 
 using Motion = mechanics::Motion<mechanics::Mechanism>;
 
-template <class Joint = joints::Revolute>
 Motion motion(const Scene& scene, const mechanics::Method& method = {}) {
-  return {make_mechanism<Joint>(scene, method), method};
+  return {make_mechanism(scene, method), method};
 }
 
 /// The chain at one time: each rod from its near to its far end, so that a pin that has opened is
@@ -85,6 +83,91 @@ double force_scale(const Scene& scene, double largest, double part) {
   return largest > 0.0 ? part * scene.length / largest : 0.0;
 }
 
+/// Where a body is that is drawn to explain.
+struct Pose {
+  Vector2d x;
+  double theta;
+
+  Vector2d turned(const Vector2d& u) const {
+    return {std::cos(theta) * u.x() - std::sin(theta) * u.y(),
+            std::sin(theta) * u.x() + std::cos(theta) * u.y()};
+  }
+};
+
+/// A body with the cross of its own frame, its point u, and the lever A u to it.
+void draw_body(Canvas& canvas, const Pose& body, const Vector2d& u, const std::string& lever,
+               bool frame) {
+  const auto& theme = canvas.theme();
+  canvas.box(point(body.x), 0.9, 0.5, body.theta, theme.body.faded(0.5), theme.body_edge);
+  if (frame)
+    for (const Vector2d& axis : {Vector2d(0.36, 0.0), Vector2d(0.0, 0.36)})
+      canvas.arrow(point(body.x), point(body.turned(axis)), theme.muted,
+                   axis.y() == 0.0 ? "x′" : "y′");
+  canvas.arrow(point(body.x), point(body.turned(u)), theme.constraint_force);
+  canvas.label(point(body.x + 0.5 * body.turned(u)), lever, theme.constraint_force,
+               draw::Font::text, draw::Align::center, {0.0, 14.0});
+  canvas.bead(point(body.x), 3.5, theme.ink, theme.ink);
+}
+
+/// A point of a body in the body's own frame and in the world's, and two bodies on one pin.
+Picture frames_picture() {
+  const Vector2d u(0.3, 0.17);
+  return {"frames", [=](draw::Pen& pen) {
+            const draw::Rect content =
+                draw::page(pen, "A point of a body, and a pin that joins two",
+                           "Left in the body's own frame, in the middle in the world: r = x + A u. "
+                           "Right two bodies whose points coincide: r₁ = r₂.");
+            const double gap = 14.0, narrow = 0.25 * content.width,
+                         wide = 0.5 * (content.width - narrow) - gap;
+            const auto part = [&](double left, double width) {
+              return draw::Rect{content.left + left, content.top, width, content.height};
+            };
+            const auto heading = [&](Canvas& canvas, const draw::View& view, const char* text) {
+              canvas.label({view.left, view.top}, text, canvas.theme().ink, draw::Font::bold);
+            };
+            const auto vector = [](Canvas& canvas, const Vector2d& to, const std::string& name,
+                                   draw::Color color) {
+              canvas.arrow({0.0, 0.0}, point(to), color, name);
+            };
+            {
+              const draw::View view{-0.55, -0.55, 0.6, 0.6};
+              Canvas canvas(pen, part(0.0, narrow), view);
+              heading(canvas, view, "own frame");
+              draw_body(canvas, {{0.0, 0.0}, 0.0}, u, "u", true);
+              canvas.pin(point(u));
+            }
+            {
+              const draw::View view{-0.15, -0.25, 1.55, 1.5};
+              Canvas canvas(pen, part(narrow + gap, wide), view);
+              heading(canvas, view, "world");
+              const Pose body{{0.8, 0.75}, 0.55};
+              canvas.origin({0.0, 0.0});
+              draw_body(canvas, body, u, "A u", true);
+              vector(canvas, body.x, "x", canvas.theme().ink);
+              vector(canvas, body.x + body.turned(u), "r = x + A u", canvas.theme().applied_force);
+              const std::array level{point(body.x), point(body.x + Vector2d(0.62, 0.0))};
+              canvas.curve(level, canvas.theme().muted, 1.2, draw::Dash::dashed);
+              canvas.turn(point(body.x), 50.0, 0.0, body.theta, canvas.theme().muted, "θ");
+              canvas.pin(point(body.x + body.turned(u)));
+            }
+            const draw::View view{-0.15, -0.25, 1.55, 1.5};
+            Canvas canvas(pen, part(narrow + wide + 2.0 * gap, wide), view);
+            heading(canvas, view, "two bodies, one pin");
+            const Vector2d pin(0.74, 0.95), u2(-0.36, 0.05);
+            Pose first{{0.0, 0.0}, -0.6}, second{{0.0, 0.0}, -0.3};
+            first.x = pin - first.turned(u);
+            second.x = pin - second.turned(u2);
+            canvas.origin({0.0, 0.0});
+            draw_body(canvas, first, u, "A₁u₁", false);
+            draw_body(canvas, second, u2, "A₂u₂", false);
+            vector(canvas, first.x, "x₁", canvas.theme().ink);
+            vector(canvas, second.x, "x₂", canvas.theme().ink);
+            canvas.pin(point(pin));
+            canvas.label(point(pin), "r₁ = r₂", canvas.theme().applied_force, draw::Font::bold,
+                         draw::Align::left, {4.0, 44.0});
+          }};
+}
+
 Picture scene_picture(const Scene& given) {
   Scene scene = given;
   scene.links = 1;
@@ -115,6 +198,7 @@ Picture scene_picture(const Scene& given) {
                          fmt::format("weight {} N", pictures::rounded(weight)));
             canvas.arrow({0.0, 0.0}, point(pin_arrow), theme.constraint_force,
                          fmt::format("pin force {} N", pictures::rounded(pin)));
+            canvas.force_scale(scale);
             canvas.label({0.0, 0.0}, "pin in the world: C = x + A u = 0", theme.track,
                          draw::Font::bold, draw::Align::left, {14.0, 30.0});
             canvas.label(point(middle), "centre of mass x", theme.ink, draw::Font::text,
@@ -150,12 +234,13 @@ Picture motion_picture(const Scene& given, const RunOptions& run) {
   caption += fmt::format(" ({}, step {:g} s).", run.method.label(), run.step);
   return {
       "motion", [=](draw::Pen& pen) {
-        Canvas canvas(pen,
-                      draw::page(pen,
-                                 fmt::format("{} exposures, from t = 0 to t = {:.2f} s", count,
-                                             instants.back().t),
-                                 caption),
-                      view);
+        Canvas canvas(
+            pen,
+            draw::page(pen,
+                       fmt::format("A rod on a pin: {} exposures, from t = 0 to t = {:.2f} s",
+                                   count, instants.back().t),
+                       caption),
+            view);
         canvas.axes("m");
         const auto& theme = canvas.theme();
         for (std::size_t i = 0; i < instants.size(); ++i) {
@@ -170,6 +255,7 @@ Picture motion_picture(const Scene& given, const RunOptions& run) {
         }
         for (const Instant& instant : instants)
           canvas.arrow({0.0, 0.0}, point(scale * instant.pin_force), theme.constraint_force);
+        canvas.force_scale(scale);
         canvas.pin({0.0, 0.0});
         canvas.label({0.0, view.top}, "arrows: force of the pin on the rod", theme.constraint_force,
                      draw::Font::bold, draw::Align::center, {0.0, 12.0});
@@ -299,7 +385,8 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
       run.step, run.duration, pictures::figure(drifts.front().largest_constraint_error),
       pictures::figure(drifts[3].largest_constraint_error),
       pictures::figure(drifts[4].largest_constraint_error));
-  return pictures::drift_picture("drift", "How five methods open the pin", caption, drifts, "m");
+  return pictures::drift_picture("drift", "A rod on a pin: how five methods open it", caption,
+                                 drifts, "m");
 }
 
 Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
@@ -317,22 +404,11 @@ Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
       step, pictures::figure(drifts[0].largest_constraint_error),
       pictures::figure(drifts[1].largest_constraint_error),
       pictures::figure(drifts[2].largest_constraint_error));
-  return pictures::drift_picture("stabilization", "Holding the pin together", caption, drifts, "m");
+  return pictures::drift_picture("stabilization", "A rod on a pin: three ways with the drift",
+                                 caption, drifts, "m");
 }
 
-Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
-  const std::vector<pictures::Drift> drifts{
-      drift("without −ω² A u", motion<WithoutJdotV>(scene), run.duration, run.step),
-      drift("with −ω² A u", motion(scene), run.duration, run.step)};
-  const std::string caption = fmt::format(
-      "Without −ω² A u the rod leaves its pin by {} m, with it by {} m (rk4, step {:g} s).",
-      pictures::figure(drifts[0].largest_constraint_error),
-      pictures::figure(drifts[1].largest_constraint_error), run.step);
-  return pictures::drift_picture("turned_off", "The term that bends the path, left out", caption,
-                                 drifts, "m");
-}
-
-class ChainStage final : public pictures::MechanismStage {
+class ChainStage final : public pictures::MechanismStage<> {
  public:
   ChainStage(const Scene& scene, const RunOptions& run)
       : MechanismStage(run, make_mechanism(scene, run.method)), scene_(scene) {
@@ -353,12 +429,14 @@ class ChainStage final : public pictures::MechanismStage {
     const Instant instant = now(scene_, motion);
     if (show.trail) canvas.curve(trail(0), canvas.theme().velocity, 1.6, draw::Dash::dotted);
     draw_chain(canvas, instant, 9.0, 1.0);
-    if (show.forces)
-      canvas.arrow({0.0, 0.0}, point(force_scale(scene_, largest_force(), 0.4) * instant.pin_force),
-                   canvas.theme().constraint_force,
+    if (show.forces) {
+      const double scale = force_scale(scene_, largest_force(), 0.4);
+      canvas.arrow({0.0, 0.0}, point(scale * instant.pin_force), canvas.theme().constraint_force,
                    show.numbers
                        ? fmt::format("pin force {} N", pictures::rounded(instant.pin_force.norm()))
                        : "");
+      canvas.force_scale(scale);
+    }
     canvas.pin({0.0, 0.0});
   }
 
@@ -371,12 +449,34 @@ class ChainStage final : public pictures::MechanismStage {
   Scene scene_;
 };
 
+Picture turned_off_picture(Scene scene, const RunOptions& run) {
+  const RunOptions part{.duration = 0.1 * run.duration, .step = run.step};
+  std::array<std::unique_ptr<pictures::Stage>, 2> stages;
+  std::array<double, 2> off;
+  for (const std::size_t with : {0U, 1U}) {
+    scene.without_jdotv = with == 0;
+    stages[with] = std::make_unique<ChainStage>(scene, part);
+    off[with] = drift("", motion(scene), part.duration, part.step).largest_constraint_error;
+  }
+  const std::string caption = fmt::format(
+      "Both after {:g} s: without −ω² A u the rod leaves its pin by {} m, with it by {} m (rk4, "
+      "step {:g} s).",
+      part.duration, pictures::figure(off[0]), pictures::figure(off[1]), part.step);
+  return pictures::beside("turned_off", "A rod on a pin: the term that bends its path",
+                          std::move(stages[0]), "without −ω² A u", std::move(stages[1]),
+                          "with −ω² A u", part.duration, caption);
+}
+
 }  // namespace
 
 std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
-  return {scene_picture(scene),          motion_picture(scene, run),
-          chain_picture(scene, run),     chaos_picture(scene),
-          drift_picture(scene, run),     stabilization_picture(scene, run),
+  return {scene_picture(scene),
+          frames_picture(),
+          motion_picture(scene, run),
+          chain_picture(scene, run),
+          chaos_picture(scene),
+          drift_picture(scene, run),
+          stabilization_picture(scene, run),
           turned_off_picture(scene, run)};
 }
 

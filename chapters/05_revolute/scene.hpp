@@ -13,10 +13,11 @@ using Eigen::VectorXd;
 /// of the one before, at rest in a straight line. One rod is the compound pendulum.
 struct Scene {
   int links = 1;
-  double length = 1.0;    ///< of all rods together [m]
-  double mass = 1.0;      ///< of all rods together [kg]
-  double angle0 = 0.0;    ///< of the line, from +x towards +y [rad]
-  double gravity = 9.81;  ///< along +y [m/s²]
+  double length = 1.0;         ///< of all rods together [m]
+  double mass = 1.0;           ///< of all rods together [kg]
+  double angle0 = 0.0;         ///< of the line, from +x towards +y [rad]
+  double gravity = 9.81;       ///< along +y [m/s²]
+  bool without_jdotv = false;  ///< the pins give way to rods that turn
 
   double l() const { return length / links; }  ///< of one rod [m]
   double m() const { return mass / links; }    ///< of one rod [kg]

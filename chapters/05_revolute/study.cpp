@@ -96,7 +96,7 @@ void report_cost(const std::filesystem::path& out) {
   write("cost_vs_links.txt", table(costs));
   write("cost_vs_links.csv", csv(costs));
   const pictures::Picture picture = cost_picture(read_costs(out / "cost_vs_links.csv"));
-  write(picture.name + ".png", draw::encode_png(draw::render({}, picture.draw)));
+  write(picture.name + ".png", draw::encode_png(draw::render({.captions = false}, picture.draw)));
 }
 
 }  // namespace
@@ -234,6 +234,8 @@ int study(int argc, char** argv) {
       {"--angle0", "rad", "start, at rest: from +x towards +y, which is down", &scene.angle0,
        angles},
       {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, app::not_negative, app::acts},
+      {"--without=jdotv", "", "what keeps the points of turning rods on their circles",
+       &scene.without_jdotv, app::on_or_off, app::acts},
   };
   chapter.defaults = {.duration = 5.0, .step = 0.005};
   chapter.fastest = [&scene] { return scene.fastest(); };

@@ -17,7 +17,8 @@ std::vector<double> errors(const Scene& scene, const mechanics::Row& row);
 /// The stiff and extreme cases of pendulum and chain, each with the outcome that is expected of it.
 measure::Stability stability();
 
-/// The pictures of the lesson: scene, motion, chain, chaos, drift, stabilization, turned_off.
+/// The pictures of the lesson: scene, frames, motion, chain, chaos, drift, stabilization,
+/// turned_off.
 std::vector<pictures::Picture> pictures(const Scene& scene, const measure::RunOptions& run);
 
 /// The cost of a step against the number of links.

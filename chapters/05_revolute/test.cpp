@@ -20,7 +20,6 @@
 #include "picture_check.hpp"
 #include "stability_check.hpp"
 #include "study.hpp"
-#include "turned_off.hpp"
 
 using dynamics::Body;
 using dynamics::System;
@@ -344,8 +343,7 @@ TEST_CASE("projection holds the pins to rounding, feedback returns what it is gi
 }
 
 TEST_CASE("without J̇v the pin gives way by C̈ = −ω² A u") {
-  const Scene scene;
-  Mechanism without = make_mechanism<revolute::WithoutJdotV>(scene);
+  Mechanism without = make_mechanism({.without_jdotv = true});
   const double theta = 0.7, omega = 3.0;
   const Vector2d e = direction(theta), across(-e.y(), e.x());
   VectorXd q(3), v(3), a(3);
@@ -497,7 +495,7 @@ TEST_CASE("the pictures of the lesson are those that the program draws") {
   const auto costs = revolute::read_costs(std::filesystem::path(TUTORIAL_SOURCE) /
                                           "chapters/05_revolute/snapshots/cost_vs_links.csv");
   picture_check::compare("05_revolute", "cost_vs_links",
-                         draw::render({}, revolute::cost_picture(costs).draw));
+                         draw::render({.captions = false}, revolute::cost_picture(costs).draw));
 }
 
 TEST_CASE("pictures can be drawn of every scene the options allow") {

@@ -1,16 +1,20 @@
 #pragma once
 
-#include "mechanics/joints/revolute.hpp"
+#include <utility>
 
 namespace revolute {
 
 // [without]
-/// The pin without J̇v: it holds two points together as if no body turned. Each point needs ω² |u|
-/// towards its centre of mass to stay on its circle, and this pin does not provide it.
-struct WithoutJdotV : joints::Revolute {
+/// A joint without J̇v: it holds its bodies as if none of them moved. A point of a turning body
+/// needs ω² |u| towards the centre of mass to stay on its circle, and this joint does not provide
+/// it.
+template <class Joint>
+struct WithoutJdotV : Joint {
+  explicit WithoutJdotV(Joint joint) : Joint(std::move(joint)) {}
+
   template <class First, class Second>
-  dynamics::Rows<2, First, Second> rows(const First& first, const Second& second) const {
-    auto rows = Revolute::rows(first, second);
+  auto rows(const First& first, const Second& second) const {
+    auto rows = Joint::rows(first, second);
     rows.Jdot_v.setZero();
     return rows;
   }

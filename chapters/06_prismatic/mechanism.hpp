@@ -8,6 +8,7 @@
 #include "mechanics/joints/revolute.hpp"
 #include "mechanics/motion/mechanism.hpp"
 #include "scene.hpp"
+#include "turned_off.hpp"
 
 namespace prismatic {
 
@@ -77,7 +78,8 @@ inline mechanics::Mechanism make_mechanism(const Scene& scene,
     if (value != 0.0)
       throw std::invalid_argument(std::string(option) + " " + mechanics::in_digits(value, 6) +
                                   ": allowed with --spin is only 0, it acts along the fixed rail");
-  return make_spin(scene, method);
+  return scene.without_coriolis ? make_spin<WithoutCoriolis>(scene, method)
+                                : make_spin(scene, method);
 }
 
 }  // namespace prismatic

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "exact.hpp"
@@ -6,7 +7,6 @@
 #include "instruments/pictures/mechanism_stage.hpp"
 #include "mechanism.hpp"
 #include "study.hpp"
-#include "turned_off.hpp"
 
 namespace prismatic {
 namespace {
@@ -136,9 +136,55 @@ Picture scene_picture(const Scene& given) {
         canvas.label(point(scale * sum), fmt::format("sum {} N", pictures::rounded(sum.norm())),
                      theme.muted, draw::Font::text, draw::Align::left, {12.0, 10.0 * aside});
         canvas.bead({0.0, 0.0}, 3.0, theme.ink, theme.ink);
+        canvas.force_scale(scale);
         canvas.label(point(0.45 * along(beta)), "rail: n·d = 0,  θ = θ₂₁", theme.track,
                      draw::Font::bold, draw::Align::left, {14.0, 10.0 * aside});
       }};
+}
+
+/// The letters of the derivation: two bodies a little off the rail that joins them.
+Picture symbols_picture() {
+  return {"symbols", [](draw::Pen& pen) {
+            const draw::View view{-0.1, -0.1, 2.1, 1.25};
+            Canvas canvas(pen,
+                          draw::page(pen, "A rail on body 1, and body 2 that should be on it",
+                                     "d leads from the rail's point r₁ to the point r₂ of body 2. "
+                                     "Its part along the normal n is the error n·d."),
+                          view);
+            const auto& theme = canvas.theme();
+            const double theta = 0.25;
+            const Vector2d along1 = along(theta), n = across(theta);
+            const Vector2d x1(0.55, 0.75), r1 = x1 + 0.3 * along1 - 0.2 * n;
+            const Vector2d r2 = r1 + 0.62 * along1 - 0.16 * n, x2 = r2 + Vector2d(0.12, -0.16);
+            canvas.origin({0.0, 0.0});
+            canvas.box(point(x1), 0.9, 0.46, theta, theme.body.faded(0.5), theme.body_edge);
+            const std::array rail{point(r1 - 0.9 * along1), point(r1 + 1.2 * along1)};
+            canvas.curve(rail, theme.track, 3.0);
+            canvas.label(rail[1], "rail of body 1", theme.track, draw::Font::text,
+                         draw::Align::right, {-6.0, 16.0});
+            canvas.box(point(x2), 0.5, 0.6, theta - 0.2, theme.body.faded(0.5), theme.body_edge);
+            const auto arrow = [&](const Vector2d& from, const Vector2d& to, draw::Color color,
+                                   const std::string& name) {
+              canvas.arrow(point(from), point(to - from), color, name);
+            };
+            arrow({0.0, 0.0}, x1, theme.ink, "x₁");
+            arrow({0.0, 0.0}, x2, theme.ink, "x₂");
+            arrow(x1, r1, theme.constraint_force, "A₁u₁");
+            arrow(x2, r2, theme.constraint_force, "A₂u₂");
+            arrow(r1, r1 + 0.34 * n, theme.velocity, "n");
+            arrow(r1, r2, theme.applied_force, "");
+            canvas.label(point(0.5 * (r1 + r2)), "d", theme.applied_force, draw::Font::bold,
+                         draw::Align::center, {0.0, -14.0});
+            const std::array off{point(r2), point(r2 + 0.16 * n)};
+            canvas.curve(off, theme.warning, 2.0, draw::Dash::dashed);
+            canvas.label(off[1], "n·d", theme.warning, draw::Font::bold, draw::Align::left,
+                         {10.0, -10.0});
+            for (const auto& [at, name] : {std::pair{r1, "r₁"}, std::pair{r2, "r₂"}}) {
+              canvas.pin(point(at));
+              canvas.label(point(at), name, theme.ink, draw::Font::bold, draw::Align::right,
+                           {-9.0, -10.0});
+            }
+          }};
 }
 
 /// The block at equal intervals of time on its way down the incline.
@@ -169,10 +215,12 @@ Picture motion_picture(const Scene& given, const RunOptions& run) {
       run.method.label(), run.step, pictures::rounded(instants.back().force.norm()));
   return {
       "motion", [=](draw::Pen& pen) {
-        Canvas canvas(
-            pen,
-            draw::page(pen, fmt::format("{} exposures, {:.2f} s apart", count, interval), caption),
-            view);
+        Canvas canvas(pen,
+                      draw::page(pen,
+                                 fmt::format("A block on a rail: {} exposures, {:.2f} s apart",
+                                             count, interval),
+                                 caption),
+                      view);
         canvas.axes("m");
         const auto& theme = canvas.theme();
         draw_rail(canvas, instants.front(), 3.0 * size_of(view), 1.0, 2.4);
@@ -184,6 +232,7 @@ Picture motion_picture(const Scene& given, const RunOptions& run) {
                        draw::Font::small, draw::Align::right,
                        i == 0 ? draw::Point{-36.0, 10.0} : draw::Point{-6.0, 30.0});
         }
+        canvas.force_scale(scale);
         canvas.label({0.5 * (view.left + view.right), view.top}, "arrows: reaction of the rail",
                      theme.constraint_force, draw::Font::bold, draw::Align::center, {0.0, 16.0});
       }};
@@ -244,6 +293,7 @@ Picture spin_picture(const Scene& given, const RunOptions& run) {
                          draw::Font::small, draw::Align::left, {14.0, 10.0});
         }
         canvas.pin({0.0, 0.0});
+        canvas.force_scale(scale);
         canvas.label({view.left, view.top}, "arrows: force of the rail on the block",
                      theme.constraint_force, draw::Font::bold, draw::Align::left, {10.0, 50.0});
       }};
@@ -262,8 +312,8 @@ Picture drift_picture(const Scene& given, const RunOptions& run) {
       run.step, run.duration, pictures::figure(drifts.front().largest_constraint_error),
       pictures::figure(drifts[3].largest_constraint_error),
       pictures::figure(drifts[4].largest_constraint_error));
-  return pictures::drift_picture("drift", "How five methods leave the turning rail", caption,
-                                 drifts, "m or rad");
+  return pictures::drift_picture("drift", "A block on a turning rail: how five methods leave it",
+                                 caption, drifts, "m or rad");
 }
 
 double at_the_end(const pictures::Drift& drift) {
@@ -287,25 +337,9 @@ Picture stabilization_picture(const Scene& given, const RunOptions& run) {
       "feedback (ks = 100, kd = 20), by {} m with projection.",
       step, duration, pictures::figure(at_the_end(drifts[0])),
       pictures::figure(at_the_end(drifts[1])), pictures::figure(at_the_end(drifts[2])));
-  return pictures::drift_picture("stabilization", "Holding the block on its rail", caption, drifts,
-                                 "m or rad");
-}
-
-Picture turned_off_picture(const Scene& given, const RunOptions& run) {
-  const Scene scene = spinning(given);
-  Motion without(make_spin<WithoutCoriolis>(scene), {}), with = motion(scene);
-  const double duration = 0.5 * run.duration;
-  const std::vector<pictures::Drift> drifts{
-      pictures::drift("without 2 ω1 (S n)·(dd/dt)", without, duration, run.step),
-      pictures::drift("with 2 ω1 (S n)·(dd/dt)", with, duration, run.step)};
-  const std::string caption = fmt::format(
-      "In {:g} s the block leaves the rail by {} m without the Coriolis term, by {} m with it "
-      "(rk4, "
-      "step {:g} s).",
-      duration, pictures::figure(drifts[0].largest_constraint_error),
-      pictures::figure(drifts[1].largest_constraint_error), run.step);
-  return pictures::drift_picture("turned_off", "The Coriolis term, left out", caption, drifts,
-                                 "m or rad");
+  return pictures::drift_picture("stabilization",
+                                 "A block on a turning rail: three ways with the drift", caption,
+                                 drifts, "m or rad");
 }
 
 /// How far from (0, 0) the block can be on the rail that turns after some time.
@@ -335,7 +369,7 @@ void draw_coil(Canvas& canvas, Vector2d block, double width) {
   canvas.bead({0.0, 0.0}, 3.0, canvas.theme().applied_force, canvas.theme().applied_force);
 }
 
-class BlockStage final : public pictures::MechanismStage {
+class BlockStage final : public pictures::MechanismStage<> {
  public:
   BlockStage(const Scene& scene, const RunOptions& run)
       : MechanismStage(run, make_mechanism(scene, run.method)), scene_(scene) {
@@ -379,13 +413,14 @@ class BlockStage final : public pictures::MechanismStage {
     draw_block(canvas, scene_, instant, 1.0);
     if (scene_.width * canvas.points_per_metre() < 10.0)  // else it could not be seen from afar
       canvas.bead(point(instant.x), 4.0, canvas.theme().body, canvas.theme().body_edge);
-    if (show.forces)
-      canvas.arrow(point(instant.x),
-                   point(force_scale(largest_force(), 0.2 * size_of(view())) * instant.force),
-                   canvas.theme().constraint_force,
+    if (show.forces) {
+      const double scale = force_scale(largest_force(), 0.2 * size_of(view()));
+      canvas.arrow(point(instant.x), point(scale * instant.force), canvas.theme().constraint_force,
                    show.numbers
                        ? fmt::format("reaction {} N", pictures::rounded(instant.force.norm()))
                        : "");
+      canvas.force_scale(scale);
+    }
     if (scene_.spins()) canvas.pin({0.0, 0.0});
   }
 
@@ -402,12 +437,34 @@ class BlockStage final : public pictures::MechanismStage {
   Scene scene_;
 };
 
+Picture turned_off_picture(const Scene& given, const RunOptions& run) {
+  Scene scene = spinning(given);
+  const RunOptions part{.duration = 0.2 * run.duration, .step = run.step};
+  std::array<std::unique_ptr<pictures::Stage>, 2> stages;
+  std::array<double, 2> off;
+  for (const std::size_t with : {0U, 1U}) {
+    scene.without_coriolis = with == 0;
+    stages[with] = std::make_unique<BlockStage>(scene, part);
+    Motion spin = motion(scene);
+    off[with] = pictures::drift("", spin, part.duration, part.step).largest_constraint_error;
+  }
+  const std::string caption = fmt::format(
+      "Both after {:g} s: the block leaves the rail by {} m without the Coriolis term, by {} m "
+      "with "
+      "it (rk4, step {:g} s).",
+      part.duration, pictures::figure(off[0]), pictures::figure(off[1]), part.step);
+  return pictures::beside("turned_off", "A block on a turning rail: the Coriolis term",
+                          std::move(stages[0]), "without 2 ω₁ (S n)·(dd/dt)", std::move(stages[1]),
+                          "with 2 ω₁ (S n)·(dd/dt)", part.duration, caption);
+}
+
 }  // namespace
 
 std::vector<Picture> pictures(const Scene& scene, const RunOptions& run) {
-  return {
-      scene_picture(scene),      motion_picture(scene, run),        spin_picture(scene, run),
-      drift_picture(scene, run), stabilization_picture(scene, run), turned_off_picture(scene, run)};
+  return {scene_picture(scene),          symbols_picture(),
+          motion_picture(scene, run),    spin_picture(scene, run),
+          drift_picture(scene, run),     stabilization_picture(scene, run),
+          turned_off_picture(scene, run)};
 }
 
 std::unique_ptr<pictures::Stage> stage(const Scene& scene, const RunOptions& run) {

@@ -19,8 +19,9 @@ struct Scene {
   double gravity = 9.81;  ///< along +y; on the fixed rail only [m/s²]
   double spin = 0.0;      ///< of the rail at the start; 0: it is fixed [rad/s]
   // Along the fixed rail only.
-  double stiffness = 0.0;     ///< of the spring that pulls the block to (0, 0); 0: none [N/m]
-  double damping = 0.0;       ///< of the damper between block and rail; 0: none [N·s/m]
+  double stiffness = 0.0;         ///< of the spring that pulls the block to (0, 0); 0: none [N/m]
+  double damping = 0.0;           ///< of the damper between block and rail; 0: none [N·s/m]
+  bool without_coriolis = false;  ///< of the turning rail's J̇v
   double s0 = 0.0, v0 = 0.0;  ///< of the block at the start: its way from (0, 0) and its velocity
                               ///< [m], [m/s]
 

@@ -115,8 +115,9 @@ void report_stiff(const Scene& scene, const measure::Quantity& quantity, std::si
   measure::Report drawn = measure::read_csv(out / (name + ".csv"));
   for (measure::Rung& rung : drawn.rungs)  // what flies off and is finite still: no curve to draw
     if (!rung.errors.empty() && rung.errors[0] > 1e3) rung.errors.clear();
-  const auto picture = pictures::error_picture(drawn, name, title);
-  files::write_file(out / (name + ".png"), draw::encode_png(draw::render({}, picture.draw)));
+  const auto picture = pictures::error_picture(drawn);
+  files::write_file(out / (name + ".png"),
+                    draw::encode_png(draw::render({.captions = false}, picture.draw)));
   fmt::print("{}\n{}\n", (out / (name + ".csv")).string(), (out / (name + ".png")).string());
 }
 
@@ -266,6 +267,8 @@ int study(int argc, char** argv) {
        app::not_negative, app::acts},
       {"--s0", "m", "start on the fixed rail, from (0, 0)", &scene.s0, places},
       {"--v0", "m/s", "velocity along the fixed rail at the start", &scene.v0, places},
+      {"--without=coriolis", "", "2 ω1 (S n)·(dd/dt), of a block that moves along a turning rail",
+       &scene.without_coriolis, app::on_or_off, app::acts},
   };
   chapter.defaults = {.duration = 2.0, .step = 0.002};
   chapter.constraint_unit = "m or rad";

@@ -16,8 +16,9 @@ std::vector<double> errors(const Scene& scene, const mechanics::Row& row);
 /// The stiff and extreme cases of block and rail, each with the outcome that is expected of it.
 measure::Stability stability();
 
-/// The pictures of the lesson: scene, motion, spin, drift, stabilization, turned_off. Those of the
-/// spinning rail take 5 rad/s where the scene does not spin, and none has spring or damper.
+/// The pictures of the lesson: scene, symbols, motion, spin, drift, stabilization, turned_off.
+/// Those of the spinning rail take 5 rad/s where the scene does not spin, and none has spring or
+/// damper.
 std::vector<pictures::Picture> pictures(const Scene& scene, const measure::RunOptions& run);
 
 /// The block in motion, with the rail's force and its trail.

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "05_revolute/turned_off.hpp"
 #include "mechanics/joints/ground.hpp"
 #include "mechanics/joints/prismatic.hpp"
 #include "mechanics/joints/revolute.hpp"
@@ -32,6 +33,10 @@ mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method&
   const Vector2d crank_pin = scene.crank * Vector2d(std::cos(theta), std::sin(theta));
   const Vector2d along(std::cos(phi), std::sin(phi));  // the rod, from crank pin to slider
 
+  const auto join = [&](const std::string& name, auto joint, auto first, auto second) {
+    return scene.without_jdotv ? system.add(name, revolute::WithoutJdotV(joint), first, second)
+                               : system.add(name, joint, first, second);
+  };
   // [scene]
   const auto build = [&](auto frame) {
     const auto wheel =
@@ -41,13 +46,13 @@ mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method&
     const auto slider = system.add_body("slider", scene.slider_mass, scene.slider_inertia(),
                                         {scene.slider_x(theta), 0.0});
 
-    const auto wheel_frame = system.add("wheel_frame", joints::Revolute{}, wheel, frame);
+    const auto wheel_frame = join("wheel_frame", joints::Revolute{}, wheel, frame);
     const auto rod_wheel =
-        system.add("rod_wheel", joints::Revolute{.u1 = {-scene.rod / 2, 0}, .u2 = {scene.crank, 0}},
-                   rod, wheel);
+        join("rod_wheel", joints::Revolute{.u1 = {-scene.rod / 2, 0}, .u2 = {scene.crank, 0}}, rod,
+             wheel);
     const auto slider_rod =
-        system.add("slider_rod", joints::Revolute{.u2 = {scene.rod / 2, 0}}, slider, rod);
-    const auto slider_frame = system.add("slider_frame", joints::Prismatic{}, frame, slider);
+        join("slider_rod", joints::Revolute{.u2 = {scene.rod / 2, 0}}, slider, rod);
+    const auto slider_frame = join("slider_frame", joints::Prismatic{}, frame, slider);
 
     system.set_gravity({0, scene.gravity});
     system.apply(wheel, {0, 0, scene.torque});

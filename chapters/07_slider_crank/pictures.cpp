@@ -1,11 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "drawing.hpp"
 #include "instruments/pictures/mechanism_stage.hpp"
+#include "mechanism.hpp"
 #include "study.hpp"
-#include "turned_off.hpp"
 
 namespace slider_crank {
 namespace {
@@ -124,6 +125,7 @@ void draw_forces(Canvas& canvas, const Instant& at, double newtons, double metre
   arrow(at.rod_start, at.forces.rod_wheel, 1, "rod_wheel");
   arrow(at.slider.x, at.forces.slider_rod, 0, "slider_rod");
   arrow(at.slider.x, at.forces.slider_frame, 3, "slider_frame");
+  canvas.force_scale(metres / newtons);
 }
 
 double largest(const Forces& forces) {
@@ -155,8 +157,17 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
           canvas.label(point(at), text, color, draw::Font::bold, align, offset);
         };
         name({-0.2, -0.2}, "wheel", {0, 0}, draw::Align::center, theme.ink);
-        name(0.65 * start.crank_pin + 0.35 * start.slider.x, "rod", {0, 20}, draw::Align::left,
+        name(0.65 * start.crank_pin + 0.35 * start.slider.x,
+             fmt::format("rod, L = {:g} m", scene.rod).c_str(), {0, -24}, draw::Align::left,
              theme.ink);
+        name(0.5 * start.crank_pin, fmt::format("crank, R = {:g} m", scene.crank).c_str(), {-12, 8},
+             draw::Align::right, theme.ink);
+        canvas.turn(point(start.wheel.x), 62.0, 0.0, start.wheel.angle, theme.muted, "θ");
+        // φ at the crank pin, from the level to the rod: negative here
+        const std::vector<Point> level{point(start.crank_pin),
+                                       point(start.crank_pin + Vector2d(0.3, 0.0))};
+        canvas.curve(level, theme.muted, 1.0, draw::Dash::dotted);
+        canvas.turn(point(start.crank_pin), 96.0, 0.0, start.rod.angle, theme.muted, "φ");
         name(start.slider.x, "slider",
              {0, -scene.slider_height * 0.5 * canvas.points_per_metre() - 14}, draw::Align::center,
              theme.ink);
@@ -199,7 +210,7 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
       exposures, last.t, last.wheel.angle - scene.theta0);
   return {
       "motion", [=](draw::Pen& pen) {
-        Canvas canvas(pen, draw::page(pen, "One revolution of the crank", caption), view(scene));
+        Canvas canvas(pen, draw::page(pen, "Slider-crank: one revolution", caption), view(scene));
         canvas.axes("m");
         draw_frame(canvas, scene, last.frame);
         canvas.disc(point(last.wheel.x), scene.wheel_radius, canvas.theme().body.faded(0.25),
@@ -230,7 +241,7 @@ Picture forces_picture(const Scene& scene, const RunOptions& run) {
   plot.x.label = "crank angle θ [rad]";
   plot.y.label = "joint force [N]";
   const auto curve = [&](const char* name, auto member) {
-    draw::Curve line{.label = name};
+    draw::Curve line{.label = name, .markers = true, .mark_every = instants.size() / 6};
     for (const Instant& at : instants)
       line.points.push_back({at.wheel.angle, (at.forces.*member).norm()});
     plot.curves.push_back(line);
@@ -248,7 +259,8 @@ Picture forces_picture(const Scene& scene, const RunOptions& run) {
       "forces", [=](draw::Pen& pen) {
         draw::Plot colored = plot;
         for (std::size_t i = 0; i < 4; ++i) colored.curves[i].color = pen.theme().series[i];
-        const draw::Rect content = draw::page(pen, "Joint forces over one revolution", caption);
+        const draw::Rect content =
+            draw::page(pen, "Slider-crank: joint forces over one revolution", caption);
         const double height = 0.44 * content.height;
         draw::draw_plot(pen, {content.left, content.top, content.width, height - 10.0}, colored);
         draw::View seen = view(scene);
@@ -259,7 +271,6 @@ Picture forces_picture(const Scene& scene, const RunOptions& run) {
                       seen);
         draw_mechanism(canvas, scene, worst, true);
         draw_forces(canvas, worst, largest(worst.forces), 0.45);
-        canvas.scale_bar("m");
       }};
 }
 
@@ -287,7 +298,7 @@ Picture energy_picture(const Scene& scene, const RunOptions& run) {
       work.points.back().y, run.duration, pictures::figure(worst), run.method.label(), run.step);
   return {"energy", [=](draw::Pen& pen) {
             const draw::Rect content =
-                draw::page(pen, "The energy is what the torque has put in", caption);
+                draw::page(pen, "Slider-crank: the energy is what the torque has put in", caption);
             draw::Plot left{
                 .title = "energy and work", .x = {.label = "time [s]"}, .y = {.label = "[J]"}};
             left.curves = {energy, work};
@@ -321,8 +332,8 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
       run.step, run.duration, pictures::figure(drifts.front().largest_constraint_error),
       pictures::figure(drifts[3].largest_constraint_error),
       pictures::figure(drifts[4].largest_constraint_error));
-  return pictures::drift_picture("drift", "How five methods let the joints open", caption, drifts,
-                                 "m");
+  return pictures::drift_picture("drift", "Slider-crank: how five methods let the joints open",
+                                 caption, drifts, "m");
 }
 
 Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
@@ -339,28 +350,11 @@ Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
       "projection.",
       step, pictures::figure(drifts[0].largest_constraint_error),
       pictures::figure(drifts[1].largest_constraint_error));
-  return pictures::drift_picture("stabilization", "Holding the joints closed", caption, drifts,
-                                 "m");
-}
-
-Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
-  Motion without(make_mechanism(scene, {}), {});
-  mechanics::Motion<WithoutJdotV> off(WithoutJdotV(make_mechanism(scene, {})), {});
-  const std::vector<pictures::Drift> drifts{
-      pictures::drift("without the velocity term", off, 0.5 * run.duration, run.step),
-      pictures::drift("with it", without, 0.5 * run.duration, run.step)};
-  const std::string caption = fmt::format(
-      "After {:g} s the joints are open by {} m without the velocity term, by {} m with it.",
-      0.5 * run.duration,
-      pictures::figure(drifts[0].constraint_error.empty() ? 0.0
-                                                          : drifts[0].constraint_error.back().y),
-      pictures::figure(drifts[1].constraint_error.empty() ? 0.0
-                                                          : drifts[1].constraint_error.back().y));
-  return pictures::drift_picture("turned_off", "The velocity term of every joint, left out",
+  return pictures::drift_picture("stabilization", "Slider-crank: three ways with the drift",
                                  caption, drifts, "m");
 }
 
-class CrankStage final : public pictures::MechanismStage {
+class CrankStage final : public pictures::MechanismStage<> {
  public:
   CrankStage(const Scene& scene, const RunOptions& run, Bodies bodies = {})
       : MechanismStage(run, make_mechanism(scene, run.method, &bodies)),
@@ -403,6 +397,25 @@ class CrankStage final : public pictures::MechanismStage {
   Scene scene_;
   Bodies bodies_;
 };
+
+Picture turned_off_picture(Scene scene, const RunOptions& run) {
+  const RunOptions part{.duration = 0.5 * run.duration, .step = run.step};
+  std::array<std::unique_ptr<pictures::Stage>, 2> stages;
+  std::array<double, 2> off;
+  for (const std::size_t with : {0U, 1U}) {
+    scene.without_jdotv = with == 0;
+    stages[with] = std::make_unique<CrankStage>(scene, part);
+    off[with] = drift(scene, {}, part.duration, part.step).largest_constraint_error;
+  }
+  const std::string caption = fmt::format(
+      "Both after {:g} s: the joints open by up to {} m without the velocity term, by {} m with it "
+      "(rk4, step "
+      "{:g} s).",
+      part.duration, pictures::figure(off[0]), pictures::figure(off[1]), part.step);
+  return pictures::beside("turned_off", "Slider-crank: the velocity term of every joint",
+                          std::move(stages[0]), "without the velocity term", std::move(stages[1]),
+                          "with it", part.duration, caption);
+}
 
 }  // namespace
 

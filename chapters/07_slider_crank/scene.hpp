@@ -15,6 +15,7 @@ struct Scene {
   double omega0 = 0.0;                   ///< of the wheel at the start [rad/s]
   double gravity = 9.81;                 ///< along +y [m/s²]
   double wheel_mass = 2.0, rod_mass = 1.0, slider_mass = 1.5;  ///< [kg]
+  bool without_jdotv = false;   ///< the joints give way to bodies that turn
   bool simulate_frame = false;  ///< the frame is a body, held by a ground joint; else left out
 
   // No options, but other units change them too.

@@ -181,6 +181,8 @@ int study(int argc, char** argv) {
       {"--wheel-mass", "kg", "mass of the wheel", &scene.wheel_mass, app::positive, app::acts},
       {"--rod-mass", "kg", "mass of the rod", &scene.rod_mass, app::positive, app::acts},
       {"--slider-mass", "kg", "mass of the slider", &scene.slider_mass, app::positive, app::acts},
+      {"--without=jdotv", "", "what the joints of turning bodies need beside J a",
+       &scene.without_jdotv, app::on_or_off, app::acts},
       {"--simulate-frame",
        "",
        "1: the frame is a body held by a ground joint; 0: left out",

@@ -72,12 +72,21 @@ std::vector<std::string> integrator_names() {
 }
 
 void add_scene(CLI::App& app, const Chapter& chapter) {
-  for (const Parameter& parameter : chapter.parameters)
+  std::vector<std::string> names, meanings;
+  std::vector<const Parameter*> switches;
+  for (const Parameter& parameter : chapter.parameters) {
+    if (parameter.option.starts_with(without)) {
+      names.push_back(parameter.option.substr(without.size()));
+      meanings.push_back(parameter.help);
+      switches.push_back(&parameter);
+      continue;
+    }
     add_number(
         app, parameter.option, parameter.unit,
         fmt::format("{} (default {:g})", parameter.help, parameter.value()), parameter.allowed,
         [&parameter](double number) { parameter.set(number); }, parameter.is_whole())
         ->group("Scene");
+  }
   for (const Text& text : chapter.texts)
     if (text.names.empty())
       app.add_option(text.option, *text.place, text.help)->type_name(text.form)->group("Scene");
@@ -87,6 +96,12 @@ void add_scene(CLI::App& app, const Chapter& chapter) {
           fmt::format("{}: {} (default {})", fmt::join(text.names, ", "), text.help, *text.place),
           [&text](std::size_t which) { *text.place = text.names[which]; })
           ->group("Scene");
+  if (names.empty()) return;
+  add_name(app, "--without", names,
+           fmt::format("{}: left out, to see what fails ({})", fmt::join(names, ", "),
+                       fmt::join(meanings, "; ")),
+           [switches](std::size_t which) { switches[which]->set(1.0); })
+      ->group("Scene");
 }
 
 void add_method(CLI::App& app, const Chapter& chapter, Request& request,
@@ -159,6 +174,10 @@ void add_strict(CLI::App& app, Request& request) {
 void add_out(CLI::App& app, Request& request) {
   app.add_option("--out", request.out, "folder for the files, made if missing (default: this one)")
       ->type_name("DIR")
+      ->group("Output");
+  app.add_flag_callback(
+         "--no-caption", [&request] { request.snapshot.page.captions = false; },
+         "pictures without the sentence under them, which snapshot prints all the same")
       ->group("Output");
 }
 

@@ -22,8 +22,9 @@ void write(const std::filesystem::path& path, const std::string& content) {
   fmt::print("{}\n", path.string());
 }
 
-void write(const std::filesystem::path& folder, const pictures::Picture& picture) {
-  write(folder / (picture.name + ".png"), draw::encode_png(draw::render({}, picture.draw)));
+void write(const std::filesystem::path& folder, const pictures::Picture& picture,
+           const draw::Page& page) {
+  write(folder / (picture.name + ".png"), draw::encode_png(draw::render(page, picture.draw)));
 }
 
 /// Whatever the chapter: no parameter takes what it does not allow.
@@ -90,7 +91,8 @@ void report_command(const Chapter& chapter, const Request& request) {
   fmt::print("\n");
   write(out / "error_vs_time.csv", measure::csv(report));
   // Drawn from the file, digit for digit, as whoever draws it later will.
-  write(out, pictures::error_picture(measure::read_csv(out / "error_vs_time.csv")));
+  write(out, pictures::error_picture(measure::read_csv(out / "error_vs_time.csv")),
+        request.snapshot.page);
   if (chapter.also_report) chapter.also_report(out);
 }
 
@@ -133,8 +135,10 @@ void stability_command(const Chapter& chapter, const Request& request) {
   write(out / "stability.csv", measure::csv(verdicts));
   write(out / "stability_map.csv", measure::csv(maps));
   if (!curves.empty()) write(out / "long_run.csv", measure::csv(curves));
-  write(out, pictures::map_picture(maps, stability.map_remark));
-  if (!curves.empty()) write(out, pictures::long_run_picture(curves, stability.long_run.step));
+  const draw::Page& page = request.snapshot.page;
+  write(out, pictures::map_picture(chapter.title, maps, stability.map_remark), page);
+  if (!curves.empty())
+    write(out, pictures::long_run_picture(chapter.title, curves, stability.long_run.step), page);
   const auto unexpected =
       std::count_if(verdicts.begin(), verdicts.end(),
                     [](const measure::CaseResult& v) { return !v.as_expected; });

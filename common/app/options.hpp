@@ -4,6 +4,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <variant>
 #include <vector>
@@ -27,6 +28,7 @@ struct Range {
 inline constexpr Range any{};  ///< of either sign, |value| ≤ 1e12
 inline constexpr Range positive{1e-12, 1e12};
 inline constexpr Range not_negative{0.0, 1e12};
+inline constexpr Range on_or_off{0.0, 1.0};
 
 /// What a number that the reader may choose can be besides.
 enum Trait : unsigned {
@@ -34,10 +36,13 @@ enum Trait : unsigned {
   switchable = 2,  ///< 0 switches it off
 };
 
+/// How the option of a term that can be left out begins.
+inline constexpr std::string_view without = "--without=";
+
 /// One number that the reader may choose. It stays where the scene keeps it: a count as an int, a
 /// switch, 0 or 1, as a bool.
 struct Parameter {
-  std::string option;  ///< "--x0"
+  std::string option;  ///< "--x0"; "--without=jdotv", a switch that leaves a term out
   std::string unit;    ///< "m"; empty for a pure number
   std::string help;
   std::variant<double*, int*, bool*> place;  ///< holds the default

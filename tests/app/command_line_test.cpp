@@ -258,6 +258,45 @@ TEST_CASE(
   }
 }
 
+TEST_CASE(
+    "what --without leaves out stands in the help, and the constraints or the energy miss it") {
+  struct Term {
+    std::string chapter, name, run, error;
+    double least;  ///< of what the run prints of that error
+  };
+  for (const Term& term : std::vector<Term>{
+           {"01_particle_on_curve_implicit", "jdotv", "--duration 6", "constraint error", 1.0},
+           {"02_parametric_lagrangian", "velocity-term", "", "energy error", 1.0},
+           {"03_global_jacobian_solver", "coupling", "--duration 3", "constraint error", 1.0},
+           {"05_revolute", "jdotv", "--duration 0.5", "constraint error", 0.01},
+           {"06_prismatic", "coriolis", "--spin 5 --duration 0.4", "constraint error", 0.01},
+           {"07_slider_crank", "jdotv", "--duration 1", "constraint error", 0.01}}) {
+    const std::string run = program(term.chapter) + " run " + term.run;
+    INFO(run);
+    CHECK(holds(shell(program(term.chapter) + " run --help").out, term.name + ": "));
+    const auto error = [&](const std::string& options) {
+      const std::string text = shell(run + options).out;
+      const std::size_t at = text.rfind(term.error);
+      return at == std::string::npos ? -1.0 : std::stod(text.substr(text.find("  ", at)));
+    };
+    CHECK(error(" --without " + term.name) > term.least);
+    CHECK(error("") < 1e-3 * term.least);
+    check_refused(run + " --without friction",
+                  "--without friction: allowed is one of " + term.name);
+  }
+}
+
+TEST_CASE("without a caption a picture is another, and its sentence is printed all the same") {
+  const Folder folder;
+  const std::string with = folder.path / "with", without = folder.path / "without";
+  const std::string snapshot = program("04_ground") + " snapshot --at 0 --scale 0.5 --out ";
+  const Result captioned = shell(snapshot + with),
+               bare = shell(snapshot + without + " --no-caption");
+  CHECK(captioned.status == 0);
+  CHECK(split(captioned.out, '\n')[1] == split(bare.out, '\n')[1]);
+  CHECK(slurp(with + "/at_0s.png") != slurp(without + "/at_0s.png"));
+}
+
 TEST_CASE("the same run writes the same bytes") {
   const Folder folder;
   for (const std::string& chapter : chapters()) {

@@ -69,7 +69,70 @@ std::size_t painted(const Image& image) {
   return count;
 }
 
+double linear(std::uint8_t value) {
+  const double v = value / 255.0;
+  return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+}
+
+double luminance(Color c) {
+  return 0.2126 * linear(c.r) + 0.7152 * linear(c.g) + 0.0722 * linear(c.b);
+}
+
+// A colour in CIELAB, as the eye sees it whose cones `cones` describes: a row each of red, green
+// and blue in linear light. sRGB, D65.
+using Matrix = std::array<std::array<double, 3>, 3>;
+std::array<double, 3> lab(Color c, const Matrix& cones) {
+  const auto times = [](const Matrix& m, const std::array<double, 3>& x) {
+    std::array<double, 3> y{};
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t k = 0; k < 3; ++k) y[i] += m[i][k] * x[k];
+    return y;
+  };
+  std::array<double, 3> seen = times(cones, {linear(c.r), linear(c.g), linear(c.b)});
+  for (double& part : seen) part = std::clamp(part, 0.0, 1.0);
+  const Matrix to_xyz{{{0.4124564, 0.3575761, 0.1804375},
+                       {0.2126729, 0.7151522, 0.0721750},
+                       {0.0193339, 0.1191920, 0.9503041}}};
+  const auto [X, Y, Z] = times(to_xyz, seen);
+  const auto f = [](double t) { return t > 0.008856 ? std::cbrt(t) : 7.787 * t + 16.0 / 116.0; };
+  const double fx = f(X / 0.95047), fy = f(Y), fz = f(Z / 1.08883);
+  return {116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz)};
+}
+
+double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
 }  // namespace
+
+TEST_CASE("any two colours of curves, and of arrows, are told apart by colour-blind readers") {
+  // Machado, Oliveira and Fernandes 2009, severity 1: normal, protanopia, deuteranopia, tritanopia.
+  const std::array<Matrix, 4> eyes{{{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+                                    {{{0.152286, 1.052583, -0.204868},
+                                      {0.114503, 0.786281, 0.099216},
+                                      {-0.003882, -0.048116, 1.051998}}},
+                                    {{{0.367322, 0.860646, -0.227968},
+                                      {0.280085, 0.672501, 0.047413},
+                                      {-0.011820, 0.042940, 0.968881}}},
+                                    {{{1.255528, -0.076749, -0.178779},
+                                      {-0.078411, 0.930809, 0.147602},
+                                      {0.004733, 0.691367, 0.303900}}}}};
+  for (const char* name : {"light", "dark"}) {
+    const Theme& t = theme(name);
+    const std::vector<Color> curves(t.series.begin(), t.series.end()),
+        arrows{t.weight, t.constraint_force, t.applied_force, t.velocity, t.warning};
+    for (const auto& colors : {curves, arrows})
+      for (std::size_t i = 0; i < colors.size(); ++i) {
+        const double a = luminance(colors[i]), b = luminance(t.paper);
+        CHECK((std::max(a, b) + 0.05) / (std::min(a, b) + 0.05) >= 3.0);  // WCAG: graphics
+        for (std::size_t k = 0; k < i; ++k)
+          for (const Matrix& eye : eyes) {
+            INFO(name << ", colours " << k << " and " << i);
+            CHECK(distance(lab(colors[k], eye), lab(colors[i], eye)) >= 25.0);
+          }
+      }
+  }
+}
 
 TEST_CASE("a picture survives the way through a PNG file") {
   const Image image = picture({});
@@ -226,7 +289,7 @@ TEST_CASE("axes make room for their numbers and so come first") {
 
     Canvas tiny(pen, {0, 0, 20, 20}, {-1, -1, 1, 1});
     tiny.axes("m");
-    tiny.scale_bar("m");
+    tiny.force_scale(0.01);
     CHECK(tiny.points_per_metre() > 0);
   });
 }

@@ -232,19 +232,39 @@ void Canvas::ground(Point at, double angle, double width_points) {
   pen_.line(center - half * along, center + half * along, color, 2);
 }
 
-void Canvas::scale_bar(std::string_view unit) {
+void Canvas::force_scale(double metres_per_newton) {
+  if (!(metres_per_newton > 0 && std::isfinite(metres_per_newton))) return;
   drawn_ = true;
-  const double wanted = std::min(area_.width / 4, 140.0) / scale_;
+  const double points = scale_ * metres_per_newton;
+  const double wanted = std::min(area_.width / 4, 140.0) / points;
   // The first of the fewest ticks beyond zero: 1, 2 or 5 times a power of ten.
   std::vector<Tick> ticks;
   for (int n = 2; ticks.size() < 2; ++n) ticks = linear_ticks(0, wanted, n);
-  const double size = ticks[1].value * scale_, line = Pen::line_height(Font::small);
+  const double size = ticks[1].value * points, line = Pen::line_height(Font::small);
   const Point right{area_.right() - 14, area_.bottom() - 14}, left{right.x - size, right.y};
   const Color color = theme().muted;
   pen_.line(left, right, color, 1.6);
   for (const Point& end : {left, right}) pen_.line(end - Point{0, 4}, end + Point{0, 4}, color);
-  text({(left.x + right.x) / 2, right.y - 5 - line / 2}, ticks[1].label + " " + std::string(unit),
-       color, Font::small, Align::center);
+  text({(left.x + right.x) / 2, right.y - 5 - line / 2}, ticks[1].label + " N", color, Font::small,
+       Align::center);
+}
+
+void Canvas::turn(Point center, double radius, double from, double to, Color color,
+                  std::string_view label) {
+  const Point middle = page(center);
+  constexpr int pieces = 48;
+  std::vector<Point> arc;
+  // The head covers the last of the way.
+  const double head = std::min(14 / radius, 0.9 * std::abs(to - from)) * (to < from ? -1 : 1);
+  for (int i = 0; i <= pieces; ++i)
+    arc.push_back(middle + radius * direction(from + (to - 0.6 * head - from) * i / pieces));
+  pen_.polyline(arc, color, 2.2);
+  pen_.arrow(middle + radius * direction(to - head), middle + radius * direction(to), color);
+  if (label.empty()) return;
+  const Point out = direction((from + to) / 2);
+  const double width = pen_.text_width(label);
+  text(middle + (radius + 8) * out + Point{0.5 * width * out.x, 9 * out.y}, label, color,
+       Font::text, Align::center);
 }
 
 void Canvas::origin(Point at) {

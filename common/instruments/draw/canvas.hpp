@@ -56,6 +56,10 @@ class Canvas {
   void link(Point a, Point b, double width_points, Color fill, Color edge);
   /// From `from` to `from` + `vector`, both in metres. The label stands near the head.
   void arrow(Point from, Point vector, Color color, std::string_view label = "");
+  /// An arc about `center` from one angle to another [rad, from +x towards +y], with a head at its
+  /// end: a moment, an angle. The label stands beyond the middle of it.
+  void turn(Point center, double radius_points, double from, double to, Color color,
+            std::string_view label = "");
   /// `at` in metres, moved by `offset_points` on the page; kept inside the canvas.
   void label(Point at, std::string_view text, Color color, Font font = Font::text,
              Align align = Align::left, Point offset_points = {});
@@ -66,8 +70,8 @@ class Canvas {
   void gap(Point a, Point b);
   /// A fixed surface below `at`, hatched; turned by `angle` radians.
   void ground(Point at, double angle = 0, double width_points = 40);
-  /// A round length, at the bottom right.
-  void scale_bar(std::string_view unit);
+  /// At the bottom right a round number of newtons, as long as their arrow.
+  void force_scale(double metres_per_newton);
   /// A small cross of axes: x to the right, y down.
   void origin(Point at);
 

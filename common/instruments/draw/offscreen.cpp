@@ -88,6 +88,7 @@ class Offscreen {
       const Finally end_frame([] { ImGui::EndFrame(); });
       Pen pen(ImGui::GetBackgroundDrawList(), fonts_, page.theme, page.width, page.height,
               page.scale);
+      pen.show_caption(page.captions);
       draw(pen);
     }
     ImGui::Render();

@@ -12,6 +12,7 @@ struct Page {
   int width = 960, height = 600;
   double scale = 2;
   Theme theme = draw::theme("light");
+  bool captions = true;  ///< under the picture; else only what Pen::caption tells
 };
 
 /// What `draw` puts on the page, filled by the processor alone: the same bytes on every machine.

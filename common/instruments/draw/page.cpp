@@ -19,7 +19,7 @@ Rect page(Pen& pen, std::string_view title, std::string_view text) {
   const double above = heading.empty() ? 0 : title_line * static_cast<double>(heading.size()) + gap;
 
   const double caption_line = leading * Pen::line_height(Font::text);
-  const auto footing = pen.wrap(caption, Font::text, content.width);
+  const auto footing = pen.wrap(pen.shows_caption() ? caption : "", Font::text, content.width);
   const double below =
       footing.empty() ? 0 : caption_line * static_cast<double>(footing.size()) + gap;
   y = content.bottom() - below + gap + caption_line / 2;

@@ -43,6 +43,9 @@ class Pen {
   /// What is said at the end of the caption, whatever the picture.
   const std::string& remark() const { return remark_; }
   void set_remark(std::string_view remark) { remark_ = remark; }
+  /// Whether pages show their captions; where not, whoever shows the picture says it.
+  bool shows_caption() const { return shows_caption_; }
+  void show_caption(bool show) { shows_caption_ = show; }
 
   void line(Point from, Point to, Color color, double thickness = 1.6, Dash dash = Dash::solid);
   /// Breaks where a point is not finite.
@@ -78,6 +81,7 @@ class Pen {
   Theme theme_;
   double width_, height_, scale_;
   std::string caption_, remark_;
+  bool shows_caption_ = true;
 };
 
 }  // namespace draw

@@ -113,6 +113,36 @@ class Occupancy {
   std::vector<char> taken_;
 };
 
+// A shape for each curve, for readers who cannot tell the colours apart: disc, square, triangle,
+// diamond, triangle on its point, star.
+void draw_marker(Pen& pen, Point at, std::size_t shape, double size, Color fill) {
+  const double radius = size * marker_radius;
+  const auto polygon = [&](int corners, double turns, double inner = 1) {  // thin: an arm of a star
+    std::vector<Point> outline;
+    for (int k = 0; k < corners; ++k) {
+      const double phi = 2 * std::numbers::pi * (turns + static_cast<double>(k) / corners);
+      const double part = k % 2 == 1 ? inner : 1;
+      outline.push_back(at + 1.25 * part * radius * Point{std::cos(phi), std::sin(phi)});
+    }
+    pen.polygon(outline, fill, inner < 1 ? transparent : pen.theme().paper, 1);
+  };
+  switch (shape % 6) {
+    case 0:
+      return pen.circle(at, radius, fill, pen.theme().paper, 1);
+    case 1:
+      return polygon(4, 0.125);
+    case 2:
+      return polygon(3, -0.25);
+    case 3:
+      return polygon(4, 0);
+    case 4:
+      return polygon(3, 0.25);
+    default:
+      polygon(4, 0, 0.4);
+      return polygon(4, 0.25, 0.4);
+  }
+}
+
 class Plotter {
  public:
   Plotter(Pen& pen, const Rect& area, const Plot& plot) : pen_(pen), area_(area), plot_(plot) {
@@ -257,28 +287,7 @@ class Plotter {
     pen_.unclip();
   }
 
-  // A shape of its own for each curve, for readers who cannot tell the colours apart.
-  void draw_marker(Point at, std::size_t i) {
-    const std::size_t shape = i % 5;
-    const Color fill = color(i), edge = pen_.theme().paper;
-    const double radius = plot_.curves[i].marker_size * marker_radius;
-    if (shape == 0) {
-      pen_.circle(at, radius, fill, edge, 1);
-      return;
-    }
-    static constexpr std::array<int, 5> corner_counts{0, 4, 3, 4, 3};
-    const int corners = corner_counts[shape];
-    const double turn =  // a square stands on a side, the fifth shape on a corner
-        std::numbers::pi * (shape == 1   ? 0.25
-                            : shape == 4 ? 0.5
-                                         : -0.5);
-    std::vector<Point> outline;
-    for (int k = 0; k < corners; ++k) {
-      const double phi = turn + 2 * std::numbers::pi * k / corners;
-      outline.push_back(at + 1.25 * radius * Point{std::cos(phi), std::sin(phi)});
-    }
-    pen_.polygon(outline, fill, edge, 1);
-  }
+  std::size_t marker(std::size_t i) const { return plot_.curves[i].marker.value_or(i); }
 
   void draw_curve(std::size_t i) {
     const Curve& curve = plot_.curves[i];
@@ -291,9 +300,9 @@ class Plotter {
       pen_.unclip();
     }
     if (!curve.markers) return;
-    for (const Point& p : points) {
-      if (frame_.inset(-0.5).contains(p)) draw_marker(p, i);
-    }
+    for (std::size_t k = curve.mark_every / 2; k < points.size(); k += curve.mark_every)
+      if (frame_.inset(-0.5).contains(points[k]))
+        draw_marker(pen_, points[k], marker(i), curve.marker_size, color(i));
   }
 
   // The part of a slope line inside the frame; false when there is none.
@@ -360,11 +369,9 @@ class Plotter {
   }
 
   void draw_entry(Point left, std::size_t i) {
-    const Curve& curve = plot_.curves[i];
-    const Point right = left + Point{sample_width, 0};
-    if (curve.line) pen_.line(left, right, color(i), curve.thickness, curve.dash);
-    if (curve.markers) draw_marker(left + Point{sample_width / 2, 0}, i);
-    pen_.text(right + Point{gap, 0}, curve.label, pen_.theme().ink, Font::small);
+    draw_sample(pen_, left, plot_.curves[i], color(i), marker(i));
+    pen_.text(left + Point{sample_width + gap, 0}, plot_.curves[i].label, pen_.theme().ink,
+              Font::small);
   }
 
   void fill_box(const Rect& box, Color fill, Color edge) {
@@ -410,6 +417,13 @@ class Plotter {
 };
 
 }  // namespace
+
+void draw_sample(Pen& pen, Point left, const Curve& curve, Color color, std::size_t marker) {
+  const Point right = left + Point{sample_width, 0};
+  if (curve.line) pen.line(left, right, color, curve.thickness, curve.dash);
+  if (curve.markers)
+    draw_marker(pen, left + Point{sample_width / 2, 0}, marker, curve.marker_size, color);
+}
 
 void draw_plot(Pen& pen, const Rect& area, const Plot& plot) { Plotter(pen, area, plot).draw(); }
 

@@ -23,7 +23,9 @@ struct Curve {
   Dash dash = Dash::solid;
   double thickness = 1.8;
   bool markers = false;
-  double marker_size = 1.0;  ///< relative to the usual one
+  std::size_t mark_every = 1;              ///< of the points, from the one in the middle of them
+  std::optional<std::size_t> marker = {};  ///< one of six shapes; by its place when not set
+  double marker_size = 1.0;                ///< relative to the usual one
   bool line = true;
 };
 
@@ -51,6 +53,10 @@ struct Plot {
   std::vector<Tile> tiles = {};
   Legend legend = Legend::automatic;
 };
+
+/// What stands before a curve's name in a legend: a piece of its line, with its marker, from
+/// `left`.
+void draw_sample(Pen& pen, Point left, const Curve& curve, Color color, std::size_t marker);
 
 /// Throws std::invalid_argument for min >= max, for a limit that is not finite or, on a logarithmic
 /// axis, not positive, and for a slope without two logarithmic axes.

@@ -12,8 +12,9 @@ constexpr Color hex(unsigned rgb) {
           static_cast<std::uint8_t>(rgb & 0xff)};
 }
 
-// The hues of Okabe and Ito's palette. Those too pale for a thin line on white are darkened, those
-// too dark for a thin line on black are lightened, until they can be read.
+// Near the hues of Okabe and Ito's palette, but moved until colour-blind readers see any two
+// further apart than 25 steps of CIELAB, and until a thin line can be read on the paper: a test
+// measures both.
 Theme light() {
   return {
       .name = "light",
@@ -24,13 +25,13 @@ Theme light() {
       .track = hex(0x49525e),
       .body = hex(0xf6d58a),
       .body_edge = hex(0x5e4a12),
-      .weight = hex(0xd55e00),
-      .constraint_force = hex(0x0072b2),
-      .applied_force = hex(0xb0568e),
-      .velocity = hex(0x00855f),
-      .warning = hex(0xd0021b),
-      .series = {hex(0x0072b2), hex(0xd55e00), hex(0x009e73), hex(0xb0568e), hex(0x4d5561),
-                 hex(0xcc8f00)},
+      .weight = hex(0xd97c0a),
+      .constraint_force = hex(0x064fd0),
+      .applied_force = hex(0x9467ab),
+      .velocity = hex(0x00a870),
+      .warning = hex(0xae061d),
+      .series = {hex(0x1d4fd5), hex(0xb73b23), hex(0x1aa884), hex(0x9158a7), hex(0x2e334b),
+                 hex(0xd28000)},
   };
 }
 
@@ -44,13 +45,13 @@ Theme dark() {
       .track = hex(0xb4bdc9),
       .body = hex(0x8a6a1c),
       .body_edge = hex(0xffdf94),
-      .weight = hex(0xff8542),
-      .constraint_force = hex(0x56b4e9),
-      .applied_force = hex(0xe39bc8),
-      .velocity = hex(0x35c79d),
-      .warning = hex(0xff5a5f),
-      .series = {hex(0x56b4e9), hex(0xff8542), hex(0x35c79d), hex(0xe39bc8), hex(0xc4cad3),
-                 hex(0xe6d24a)},
+      .weight = hex(0xfea831),
+      .constraint_force = hex(0x7991f8),
+      .applied_force = hex(0xccb1d8),
+      .velocity = hex(0x50eaa2),
+      .warning = hex(0xde3c3f),
+      .series = {hex(0x6f95ff), hex(0xef6421), hex(0x2de97b), hex(0xc07cad), hex(0xbaebd2),
+                 hex(0xf4eb2f)},
   };
 }
 

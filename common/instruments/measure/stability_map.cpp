@@ -89,7 +89,7 @@ std::vector<Plan> feedback_plans(const Start& start, const FeedbackTrial& trial)
   std::vector<Plan> plans;
   for (const auto& scheme : integrators::schemes) {
     const Extent& extent = extents[static_cast<std::size_t>(scheme.id)];
-    plans.push_back({scheme.id, "kd h", "ks h²", extent.kd_h, extent.ks_h2,
+    plans.push_back({scheme.id, "k_d h", "k_s h²", extent.kd_h, extent.ks_h2,
                      [=, name = scheme.id](double kd_h, double ks_h2) {
                        return feedback_decays(start, with_gains(name, kd_h, ks_h2, trial.step),
                                               trial);
@@ -97,6 +97,7 @@ std::vector<Plan> feedback_plans(const Start& start, const FeedbackTrial& trial)
                      [name = scheme.id](double kd_h, double ks_h2) {
                        return integrators::amplification(name, 1.0, ks_h2, kd_h);
                      }});
+    plans.back().of_gains = true;
   }
   return plans;
 }

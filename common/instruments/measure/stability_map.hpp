@@ -25,6 +25,7 @@ struct Plan {
   double theory_to = std::numeric_limits<double>::infinity();  ///< the y up to which it holds
   int differing = 0;      ///< cells up to there in which it is known to be wrong
   std::string name = {};  ///< empty: the integrator's
+  bool of_gains = false;  ///< x is kd h and y is ks h²
 
   std::string title() const {
     return name.empty() ? std::string(integrators::info(integrator).text) : name;

@@ -8,12 +8,13 @@
 
 namespace pictures {
 
-/// A Mechanism on a stage: what chapters 3 to 7 show.
+/// A Mechanism, or a model made of one, on a stage: what chapters 3 to 7 show.
+template <class Model = mechanics::Mechanism>
 class MechanismStage : public Stage {
  protected:
-  using Motion = mechanics::Motion<mechanics::Mechanism>;
+  using Motion = mechanics::Motion<Model>;
 
-  MechanismStage(const measure::RunOptions& run, mechanics::Mechanism mechanism)
+  MechanismStage(const measure::RunOptions& run, Model mechanism)
       : Stage(run), motion(std::move(mechanism), run.method) {
     add(motion, "");
   }

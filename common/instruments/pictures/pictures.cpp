@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "instruments/draw/page.hpp"
 #include "instruments/measure/run.hpp"
@@ -33,40 +34,43 @@ std::string rounded(double value, int decimals) {
 
 namespace {
 
-/// An integrator has a colour, a stabilization a dash.
-struct Look {
-  std::size_t color;
-  draw::Dash dash;
-};
-Look look(const std::string& method) {
+/// The integrator that a label begins with, as its place among them; those that choose their own
+/// steps come after all.
+std::optional<std::size_t> integrator_of(const std::string& label) {
   const auto& integrators = integrators::schemes;
-  Look look{0, draw::Dash::solid};
-  while (look.color < integrators.size() && !method.starts_with(integrators[look.color].text))
-    ++look.color;
-  if (method.find("adaptive") != std::string::npos) ++look.color;
-  if (method.ends_with("feedback")) look.dash = draw::Dash::dotted;
-  if (method.ends_with("projection")) look.dash = draw::Dash::dashed;
-  return look;
+  for (std::size_t i = 0; i < integrators.size(); ++i)
+    if (label.starts_with(integrators[i].text))
+      return label.find("adaptive") != std::string::npos ? integrators.size() : i;
+  return {};
 }
 
 }  // namespace
 
-Picture error_picture(const measure::Report& report, std::string name, std::string title) {
+void set_look(draw::Curve& curve, const draw::Theme& theme, const std::string& method,
+              std::size_t otherwise) {
+  const std::size_t which = integrator_of(method).value_or(otherwise);
+  curve.color = theme.series[which % theme.series.size()];
+  curve.marker = which;
+  if (method.find("feedback") != std::string::npos) curve.dash = draw::Dash::dotted;
+  for (const char* dashed : {"projection", "parametric"})
+    if (method.find(dashed) != std::string::npos) curve.dash = draw::Dash::dashed;
+}
+
+Picture error_picture(const measure::Report& report) {
   const measure::Quantity& quantity = report.quantities.front();
   draw::Plot plot;
   plot.x = {.label = "processor time [ms]", .log = true};
   plot.y = {.label = fmt::format("error of {} after {:g} s [{}]", quantity.name, report.duration,
                                  quantity.unit),
             .log = true};
-  std::vector<std::size_t> colors;
+  std::vector<std::string> names;
   std::string cheapest;
   double least = 1e300;
   for (const std::string& method : measure::methods(report)) {
     draw::Curve curve;
     curve.label = method == "rk4" ? "rk4 (the article's choice)" : method;
     curve.markers = true;
-    curve.dash = look(method).dash;
-    colors.push_back(look(method).color);
+    names.push_back(method);
     curve.thickness = method == "rk4" ? 2.6 : 1.6;
     draw::Slope slope;
     std::vector<draw::Point> points;
@@ -107,10 +111,10 @@ Picture error_picture(const measure::Report& report, std::string name, std::stri
                        : fmt::format("An error of 10⁻⁶ {} costs least with {}: {} ms.",
                                      quantity.unit, cheapest, figure(1e3 * least));
   const std::string caption = price + " " + report.remark;
-  return {std::move(name), [=](draw::Pen& pen) {
+  return {"error_vs_time", [=, title = report.title + ": error against run time"](draw::Pen& pen) {
             draw::Plot themed = plot;
-            for (std::size_t i = 0; i < colors.size(); ++i)
-              themed.curves[i].color = pen.theme().series[colors[i]];
+            for (std::size_t i = 0; i < names.size(); ++i)
+              set_look(themed.curves[i], pen.theme(), names[i]);
             draw::draw_plot(pen, draw::page(pen, title, caption), themed);
           }};
 }
@@ -146,8 +150,7 @@ Drift drift(std::string label, mechanics::Simulation& simulation, double duratio
 }
 
 Picture drift_picture(std::string name, const std::string& title, const std::string& caption,
-                      const std::vector<Drift>& drifts, const std::string& constraint_unit,
-                      std::vector<draw::Dash> dashes, std::vector<int> colors) {
+                      const std::vector<Drift>& drifts, const std::string& constraint_unit) {
   return {std::move(name), [=](draw::Pen& pen) {
             draw::Plot left, right;
             left.title = "off the constraint";
@@ -164,13 +167,6 @@ Picture drift_picture(std::string name, const std::string& title, const std::str
             right.legend = draw::Legend::none;
             // One legend for both plots, in a row above them.
             const draw::Rect content = draw::page(pen, title, caption);
-            const auto color = [&](std::size_t i) {
-              const auto index = i < colors.size() ? static_cast<std::size_t>(colors[i]) : i;
-              return pen.theme().series[index % pen.theme().series.size()];
-            };
-            const auto dash = [&](std::size_t i) {
-              return i < dashes.size() ? dashes[i] : draw::Dash::solid;
-            };
             double x = content.left, y = content.top + 10.0;
             for (std::size_t i = 0; i < drifts.size(); ++i) {
               const double width = pen.text_width(drifts[i].label) + 58.0;
@@ -178,13 +174,13 @@ Picture drift_picture(std::string name, const std::string& title, const std::str
                 x = content.left;
                 y += 20.0;
               }
-              pen.line({x, y}, {x + 28.0, y}, color(i), 2.2, dash(i));
-              pen.text({x + 34.0, y}, drifts[i].label, pen.theme().ink);
+              draw::Curve curve{.thickness = 2.0, .markers = true, .mark_every = 50};
+              set_look(curve, pen.theme(), drifts[i].label, i);
+              draw::draw_sample(pen, {x, y}, curve, *curve.color, *curve.marker);
+              pen.text({x + 36.0, y}, drifts[i].label, pen.theme().ink);
               x += width;
-              const draw::Curve curve{.color = color(i), .dash = dash(i), .thickness = 2.0};
-              left.curves.push_back(curve);
+              for (draw::Plot* plot : {&left, &right}) plot->curves.push_back(curve);
               left.curves.back().points = drifts[i].constraint_error;
-              right.curves.push_back(curve);
               right.curves.back().points = drifts[i].energy_error;
             }
             const double top = y + 18.0, gap = 24.0, width = 0.5 * (content.width - gap);

@@ -28,8 +28,13 @@ std::string rounded(double value, int decimals = 2);
 
 /// Error of the first quantity against processor time, a curve a method, with lines of the
 /// theoretical orders through each method's own points.
-Picture error_picture(const measure::Report& report, std::string name = "error_vs_time",
-                      std::string title = "Error against run time");
+Picture error_picture(const measure::Report& report);
+
+/// A method looks alike in all plots: the colour and the marker are its integrator's, the dash its
+/// stabilization's, or that of chapter 2's description. A name that begins with no integrator takes
+/// the colour and marker `otherwise`.
+void set_look(draw::Curve& curve, const draw::Theme& theme, const std::string& method,
+              std::size_t otherwise = 0);
 
 /// How far one run strays, over time. The times are cut into windows and each point is the largest
 /// value in its window, so that the zeros that an error swings through do not tear a logarithmic
@@ -45,10 +50,8 @@ struct Drift {
 /// there.
 Drift drift(std::string label, mechanics::Simulation& simulation, double duration, double step);
 
-/// One curve of each drift in two plots side by side: |C| and energy error, both logarithmic. A
-/// dash for each drift may be given.
+/// One curve of each drift in two plots side by side: |C| and energy error, both logarithmic.
 Picture drift_picture(std::string name, const std::string& title, const std::string& caption,
-                      const std::vector<Drift>& drifts, const std::string& constraint_unit,
-                      std::vector<draw::Dash> dashes = {}, std::vector<int> colors = {});
+                      const std::vector<Drift>& drifts, const std::string& constraint_unit);
 
 }  // namespace pictures

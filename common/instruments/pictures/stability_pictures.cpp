@@ -63,12 +63,20 @@ draw::Plot panel(const measure::Map& map, const draw::Theme& theme) {
   }
   plot.curves.push_back(differ);
   plot.curves.push_back({.points = boundary(plan), .color = theme.series[1], .thickness = 2.4});
+  if (!plan.of_gains) return plot;
+  draw::Curve critical{.color = theme.ink, .dash = draw::Dash::dashed};
+  for (int i = 0; i <= 100; ++i) {
+    const double x = plan.x_max * i / 100;
+    if (x * x / 4 <= plan.y_max) critical.points.push_back({x, x * x / 4});
+  }
+  plot.curves.push_back(critical);
   return plot;
 }
 
 }  // namespace
 
-Picture map_picture(const std::vector<measure::Map>& maps, const std::string& remark) {
+Picture map_picture(const std::string& scene, const std::vector<measure::Map>& maps,
+                    const std::string& remark) {
   int agreeing = 0, compared = 0;
   for (const measure::Map& map : maps) {
     agreeing += map.agreeing();
@@ -80,7 +88,7 @@ Picture map_picture(const std::vector<measure::Map>& maps, const std::string& re
   return {
       "stability_map", [=](draw::Pen& pen) {
         const draw::Theme& theme = pen.theme();
-        const draw::Rect content = draw::page(pen, "Where a run is stable", caption);
+        const draw::Rect content = draw::page(pen, scene + ": where a run is stable", caption);
         constexpr double gap = 20.0;
         const double width = (content.width - 2.0 * gap) / 3.0,
                      height = (content.height - gap) / 2.0;
@@ -110,29 +118,27 @@ Picture map_picture(const std::vector<measure::Map>& maps, const std::string& re
         entry("stable, measured", [&] { tile(theme.series[0].faded(0.45)); });
         entry("unstable, measured", [&] { tile(theme.paper); });
         entry("limit of theory", [&] { pen.line({x, y}, {x + sample, y}, theme.series[1], 2.4); });
+        if (!maps.empty() && maps.front().plan.of_gains)
+          entry("critical damping: k_s h² = (k_d h)²/4", [&] {
+            pen.line({x, y}, {x + sample, y}, theme.ink, 1.8, draw::Dash::dashed);
+          });
         entry("they differ here", [&] {
           pen.circle({x + 0.5 * sample, y}, 4.0, theme.ink, theme.paper, 1.0);
         });
       }};
 }
 
-Picture long_run_picture(const std::vector<measure::LongCurve>& curves, double step) {
+Picture long_run_picture(const std::string& scene, const std::vector<measure::LongCurve>& curves,
+                         double step) {
   draw::Plot plot;
   plot.x = {.label = "time [s]", .log = true};
   plot.y = {.label = "largest energy error so far, as a part of the scene's kinetic energy",
             .log = true};
   plot.legend = draw::Legend::above;
   std::string growing, bounded;
-  std::vector<std::size_t> colors;
   for (const measure::LongCurve& long_curve : curves) {
-    draw::Curve curve{.label = long_curve.method};
+    draw::Curve curve{.label = long_curve.method, .markers = true, .mark_every = 12};
     for (const auto& [t, error] : long_curve.looks) curve.points.push_back({t, error});
-    const auto& methods = integrators::schemes;
-    const auto method = std::find_if(methods.begin(), methods.end(), [&](const auto& m) {
-      return long_curve.method.starts_with(m.text);
-    });
-    colors.push_back(static_cast<std::size_t>(method - methods.begin()));
-    if (long_curve.method.ends_with("projection")) curve.dash = draw::Dash::dashed;
     plot.curves.push_back(curve);
     std::string& list = long_curve.bounded() ? bounded : growing;
     list += (list.empty() ? "" : ", ") + long_curve.method;
@@ -142,9 +148,9 @@ Picture long_run_picture(const std::vector<measure::LongCurve>& curves, double s
                   growing.empty() ? "none" : growing, bounded.empty() ? "none" : bounded);
   return {"long_run", [=](draw::Pen& pen) {
             draw::Plot themed = plot;
-            for (std::size_t i = 0; i < colors.size(); ++i)
-              themed.curves[i].color = pen.theme().series[colors[i]];
-            draw::draw_plot(pen, draw::page(pen, "Energy over a million steps", caption), themed);
+            for (draw::Curve& curve : themed.curves) set_look(curve, pen.theme(), curve.label);
+            draw::draw_plot(pen, draw::page(pen, scene + ": energy over a million steps", caption),
+                            themed);
           }};
 }
 

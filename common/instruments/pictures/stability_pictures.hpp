@@ -8,8 +8,10 @@
 
 namespace pictures {
 
-/// The measured maps beside theory, and the energy errors of long runs.
-Picture map_picture(const std::vector<measure::Map>& maps, const std::string& remark);
-Picture long_run_picture(const std::vector<measure::LongCurve>& curves, double step);
+/// The measured maps of a scene beside theory, and the energy errors of its long runs.
+Picture map_picture(const std::string& scene, const std::vector<measure::Map>& maps,
+                    const std::string& remark);
+Picture long_run_picture(const std::string& scene, const std::vector<measure::LongCurve>& curves,
+                         double step);
 
 }  // namespace pictures

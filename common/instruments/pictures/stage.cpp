@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -225,6 +226,32 @@ void draw_page(draw::Pen& pen, Stage& stage, const Show& show) {
   else if (!show.else_say.empty())
     caption.append(" ").append(show.else_say);
   stage.draw(pen, draw::page(pen, stage.title(), caption), show);
+}
+
+Picture beside(std::string name, std::string title, std::unique_ptr<Stage> left,
+               std::string left_name, std::unique_ptr<Stage> right, std::string right_name,
+               double t, std::string caption) {
+  for (Stage* stage : {left.get(), right.get()}) {
+    try {
+      stage->advance_to(t);
+    } catch (const mechanics::Diverged&) {  // it is shown where it had to stop
+    }
+  }
+  left->show_as(*right);
+  right->show_as(*left);
+  const std::array<std::shared_ptr<Stage>, 2> stages{std::move(left), std::move(right)};
+  const std::array names{std::move(left_name), std::move(right_name)};
+  return {std::move(name), [=](draw::Pen& pen) {
+            const draw::Rect content = draw::page(pen, title, caption);
+            const double line = draw::Pen::line_height(draw::Font::bold), gap = 20.0;
+            const double width = 0.5 * (content.width - gap);
+            for (std::size_t i = 0; i < 2; ++i) {
+              const double x = content.left + static_cast<double>(i) * (width + gap);
+              pen.text({x, content.top + 0.5 * line}, names[i],
+                       i == 0 ? pen.theme().warning : pen.theme().ink, draw::Font::bold);
+              stages[i]->draw(pen, {x, content.top + line, width, content.height - line}, {});
+            }
+          }};
 }
 
 Picture picture_at(std::unique_ptr<Stage> stage, double t, const Show& show) {

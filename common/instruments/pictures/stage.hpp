@@ -166,6 +166,12 @@ class Stage {
 /// The stage as it is, on a page of its own.
 void draw_page(draw::Pen& pen, Stage& stage, const Show& show = {});
 
+/// One scene in two ways beside each other, each under its name, in one view and one scale of
+/// forces: at time t [s].
+Picture beside(std::string name, std::string title, std::unique_ptr<Stage> left,
+               std::string left_name, std::unique_ptr<Stage> right, std::string right_name,
+               double t, std::string caption);
+
 /// The scene at time t [s].
 Picture picture_at(std::unique_ptr<Stage> stage, double t, const Show& show = {});
 

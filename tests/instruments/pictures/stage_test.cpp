@@ -38,7 +38,7 @@ draw::Image picture(Stage& stage) {
 bool same(const draw::Image& a, const draw::Image& b) { return a.rgba == b.rgba; }
 
 /// A rod that hangs from a pin, at rest, with a hand on it.
-class Rod final : public pictures::MechanismStage {
+class Rod final : public pictures::MechanismStage<> {
  public:
   explicit Rod(const RunOptions& run, double half_width = 1.2)
       : MechanismStage(run, make(run.method)) {
