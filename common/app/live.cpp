@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -133,6 +134,26 @@ class Layout {
   double top_ = margin;
 };
 
+constexpr double narrow = 560.0;  // as on a phone
+
+/// The part of a window's height that is the scene's; below it are the plots.
+double scene_share(double width) {
+  return width < narrow ? 0.55 : page_height / (page_height + plots_height);
+}
+
+/// For two plots: beside each other, or one below the other where that is too narrow.
+std::array<Rect, 2> halves(const Rect& area) {
+  constexpr double gap = 24.0;
+  if (area.width < narrow) {
+    const double half = 0.5 * area.height;
+    return {Rect{area.left, area.top, area.width, half},
+            Rect{area.left, area.top + half, area.width, half}};
+  }
+  const double half = 0.5 * (area.width - gap);
+  return {Rect{area.left, area.top, half, area.height},
+          Rect{area.left + half + gap, area.top, half, area.height}};
+}
+
 std::unique_ptr<Window> open_window(const std::string& title) {
   try {
     return std::make_unique<Window>(title, static_cast<int>(page_width + panel_width),
@@ -172,15 +193,12 @@ class Live {
   }
 
   void loop() {
-    double last = wall_seconds();
-    while (window_->open()) {
-      const double now = wall_seconds();
-      window_->frame([&] { frame(now - last); });
-      all_ += now - last;
-      last = now;
+    window_->run([this](double wall) {
+      frame(wall);
+      all_ += wall;
       ++frames_;
       work_ += window_->frame_seconds();
-    }
+    });
     sum_up();
   }
 
@@ -294,17 +312,15 @@ class Live {
 
   void draw_pages() {
     const double width = window_->pages_width();
-    const double height = window_->height() * page_height / (page_height + plots_height);
+    const double height = window_->height() * scene_share(width);
     draw::Pen page = window_->pen(width, height), all = window_->pen(width, window_->height());
     show_.verdict = stage_->settled();
     draw_page(page, *stage_, show_);
     const Rect plots{14.0, height, width - 28.0, window_->height() - height - 8.0};
-    const double half = 0.5 * (plots.width - 24.0);
-    draw_errors(all, {plots.left, plots.top, half, plots.height}, "energy error [J]",
-                &pictures::Stage::Errors::energy,
+    const auto [first, second] = halves(plots);
+    draw_errors(all, first, "energy error [J]", &pictures::Stage::Errors::energy,
                 stage_->gripped() ? "none while the mouse pulls" : "");
-    draw_errors(all, {plots.left + half + 24.0, plots.top, half, plots.height},
-                fmt::format("constraint error |C| [{}]", chapter_.constraint_unit),
+    draw_errors(all, second, fmt::format("constraint error |C| [{}]", chapter_.constraint_unit),
                 &pictures::Stage::Errors::constraint, "");
   }
 
@@ -361,7 +377,7 @@ class Live {
   template <class Apply>
   void slider(const std::string& name, double& value, const Window::Span& span,
               const std::string& unit, const Range& allowed, Apply&& apply, bool enabled = true) {
-    window_->text(Layout::beside(layout_[name]), name, draw::theme("light").ink);
+    window_->label(Layout::beside(layout_[name]), name);
     const double before = value;
     const bool rests = window_->slider(layout_[name], name, value, span, unit, enabled);
     // What is typed may be anything.
@@ -381,7 +397,7 @@ class Live {
     };
     bool on = value != 0.0;
     if (parameter.is_switch()) {
-      window_->text(Layout::beside(layout_[name]), name, draw::theme("light").ink);
+      window_->label(Layout::beside(layout_[name]), name);
       if (!window_->check(layout_[name], "##" + name, on)) return;
       value = on ? 1.0 : 0.0;
       apply();
@@ -412,7 +428,7 @@ class Live {
 
   template <class Enum>
   void choice(const std::string& name, const std::vector<std::string>& texts, Enum& chosen) {
-    window_->text(Layout::beside(layout_[name]), name, draw::theme("light").ink);
+    window_->label(Layout::beside(layout_[name]), name);
     int index = static_cast<int>(chosen);
     if (!window_->choice(layout_[name], name, texts, index)) return;
     chosen = static_cast<Enum>(index);
@@ -427,7 +443,7 @@ class Live {
 
   void words() {
     const Rect& place = layout_.words();
-    const draw::Theme& theme = draw::theme("light");
+    const draw::Theme& theme = window_->theme();
     const bool late = playing_ && player_.kept() < 0.95;
     std::string text = message_;
     if (const auto verdict = stage_->verdict();
@@ -448,8 +464,9 @@ class Live {
     }
     if (!text.empty()) return window_->text(place, text, theme.applied_force);
     window_->text(place,
-                  "space runs and pauses, → or s takes one step, r goes back to the start. Drag a "
-                  "thing with the mouse. Ctrl-click a slider to type its value.",
+                  std::string("space runs and pauses, → or s takes one step, r goes back to the "
+                              "start. Drag a thing with the mouse. ") +
+                      Window::usage,
                   theme.muted);
   }
 

@@ -83,6 +83,8 @@ struct Window::Inside {
   double frame_seconds = 0.0;
   Clock::time_point next_frame = Clock::now();
 
+  void frame(const Window& all, const std::function<void()>& draw);
+
   Inside(double panel, const Theme& colors) : panel_width(panel), theme(colors) {}
   ~Inside() {
     if (gui != nullptr) {
@@ -153,21 +155,28 @@ Window::Window(const std::string& title, int width, int height, double panel_wid
 
 Window::~Window() = default;
 
-bool Window::open() const { return glfwWindowShouldClose(inside_->window) == GLFW_FALSE; }
+void Window::run(const std::function<void(double)>& draw) {
+  Clock::time_point last = Clock::now();
+  while (glfwWindowShouldClose(inside_->window) == GLFW_FALSE) {
+    const Clock::time_point now = Clock::now();
+    inside_->frame(*this, [&] { draw(Seconds(now - last).count()); });
+    last = now;
+  }
+}
 
-void Window::frame(const std::function<void()>& draw) {
-  inside_->presses = {};
-  inside_->escaped = false;
-  inside_->down.clear();
-  for (const auto& [key, code, modifiers] : std::exchange(inside_->late, {}))
-    ImGui_ImplGlfw_KeyCallback(inside_->window, key, code, GLFW_RELEASE, modifiers);
+void Window::Inside::frame(const Window& all, const std::function<void()>& draw) {
+  presses = {};
+  escaped = false;
+  down.clear();
+  for (const auto& [key, code, modifiers] : std::exchange(late, {}))
+    ImGui_ImplGlfw_KeyCallback(window, key, code, GLFW_RELEASE, modifiers);
   glfwPollEvents();
   const Clock::time_point start = Clock::now();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
-  ImGui::SetNextWindowPos(pixels(pages_width(), 0.0));
-  ImGui::SetNextWindowSize(pixels(inside_->panel_width, height()));
+  ImGui::SetNextWindowPos(pixels(all.pages_width(), 0.0));
+  ImGui::SetNextWindowSize(pixels(panel_width, all.height()));
   ImGui::Begin("controls", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
@@ -175,22 +184,23 @@ void Window::frame(const std::function<void()>& draw) {
   ImGui::End();
   ImGui::Render();
   int width = 0, height = 0;
-  glfwGetFramebufferSize(inside_->window, &width, &height);
-  const Color paper = inside_->theme.paper;
+  glfwGetFramebufferSize(window, &width, &height);
+  const Color paper = theme.paper;
   glViewport(0, 0, width, height);
   glClearColor(paper.r / 255.0F, paper.g / 255.0F, paper.b / 255.0F, 1);
   glClear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   glFinish();  // else a slow renderer would go on into the time of the next frame
-  inside_->frame_seconds = Seconds(Clock::now() - start).count();
-  glfwSwapBuffers(inside_->window);
+  frame_seconds = Seconds(Clock::now() - start).count();
+  glfwSwapBuffers(window);
   // Not every display makes the swap wait for it.
-  std::this_thread::sleep_until(inside_->next_frame);
-  inside_->next_frame =
-      Clock::now() + std::chrono::duration_cast<Clock::duration>(0.95 * shortest_frame);
+  std::this_thread::sleep_until(next_frame);
+  next_frame = Clock::now() + std::chrono::duration_cast<Clock::duration>(0.95 * shortest_frame);
 }
 
 double Window::frame_seconds() const { return inside_->frame_seconds; }
+
+const Theme& Window::theme() const { return inside_->theme; }
 
 double Window::pages_width() const {
   return std::max(1.0, double{ImGui::GetIO().DisplaySize.x} - inside_->panel_width);
@@ -222,6 +232,8 @@ bool Window::check(const Rect& place, const std::string& text, bool& checked) {
   ImGui::SetCursorPos(pixels(place.left, place.top));
   return ImGui::Checkbox(text.c_str(), &checked);
 }
+
+void Window::label(const Rect& place, const std::string& name) { text(place, name, theme().ink); }
 
 bool Window::slider(const Rect& place, const std::string& name, double& value, const Span& span,
                     const std::string& unit, bool enabled) {
@@ -259,6 +271,8 @@ bool Window::choice(const Rect& place, const std::string& name,
   ImGui::EndCombo();
   return chosen != before;
 }
+
+const char* const Window::usage = "Ctrl-click a slider to type its value.";
 
 void Window::text(const Rect& place, const std::string& utf8, const Color& ink) {
   // Dear ImGui would break a line at the point of a number.

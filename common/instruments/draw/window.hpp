@@ -11,6 +11,9 @@ namespace draw {
 
 /// A window with pages on the left, drawn by a Pen as pictures are, and a panel of controls at the
 /// right. All places are in points, which are pixels here.
+///
+/// In the book (window_web.cpp) it is a part of a page of the web: a canvas, as wide as there is
+/// room, and the controls beside or below it, where the page puts them.
 class Window {
  public:
   enum class Key { space, right, r, s };
@@ -31,13 +34,14 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// Until it was closed, or Escape pressed outside a list and what is typed.
-  bool open() const;
-  /// One frame, at most 60 of them a second. All that follows is for `draw` to call.
-  void frame(const std::function<void()>& draw);
+  /// Frame after frame, at most 60 of them a second, until it is closed, or Escape pressed outside
+  /// a list and what is typed; in the book it does not return. `draw` is told how long ago the last
+  /// frame was [s]; all that follows is for it to call.
+  void run(const std::function<void(double)>& draw);
   /// What the last frame took, without waiting for the screen [s].
   double frame_seconds() const;
 
+  const Theme& theme() const;
   double pages_width() const;
   double height() const;
   /// For a page that begins at the window's top left.
@@ -47,15 +51,18 @@ class Window {
   int presses(Key key) const;
 
   // The controls of the panel; their places count from its top left. A control's name is shown on
-  // it or, where it has none to show, at its left.
+  // it or, where it has none to show, at its left, as a label.
   bool button(const Rect& place, const std::string& text, bool enabled = true);
   bool check(const Rect& place, const std::string& text, bool& checked);
-  /// With its value and unit written on it; a click with the control key lets it be typed, be it
-  /// beyond the span, and Enter takes it. True when it is let go after it was moved.
+  void label(const Rect& place, const std::string& name);
+  /// With its value and unit written on it, which can be typed, be it beyond the span, and Enter
+  /// takes it. True when it is let go after it was moved.
   bool slider(const Rect& place, const std::string& name, double& value, const Span& span,
               const std::string& unit, bool enabled = true);
   bool choice(const Rect& place, const std::string& name, const std::vector<std::string>& texts,
               int& chosen);
+  /// How a value is typed and what else only this kind of window has, for those who use it.
+  static const char* const usage;
   /// Broken into lines between words.
   void text(const Rect& place, const std::string& utf8, const Color& color);
 

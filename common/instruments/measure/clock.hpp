@@ -9,8 +9,13 @@ namespace measure {
 /// Seconds of processor time that the calling thread has used. Unlike the clock on the wall it does
 /// not run on while another process has the core.
 inline double cpu_seconds() {
+#ifdef __EMSCRIPTEN__  // a browser has no such clock
+  constexpr clockid_t clock = CLOCK_MONOTONIC;
+#else
+  constexpr clockid_t clock = CLOCK_THREAD_CPUTIME_ID;
+#endif
   timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  clock_gettime(clock, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 

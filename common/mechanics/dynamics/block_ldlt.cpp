@@ -31,8 +31,11 @@ class Graph {
     look_from(i);
     for (std::size_t c : cliques_of(i)) {
       if (c == largest) continue;
-      for (int j : members_[c])
-        if (is_new(j)) degree += std::ranges::count(cliques_of(j), largest) == 0;
+      for (int j : members_[c]) {
+        if (!is_new(j)) continue;
+        const auto& of_j = cliques_of(j);
+        degree += std::find(of_j.begin(), of_j.end(), largest) == of_j.end();
+      }
     }
     return static_cast<int>(degree);
   }
@@ -108,7 +111,7 @@ void BlockLdlt::analyse(const std::vector<int>& size,
     std::vector<int> others;
     for (const Key& k : remaining)
       if (k[2] != first) others.push_back(k[2]);
-    std::ranges::sort(others);
+    std::sort(others.begin(), others.end());
     others.insert(others.begin(), first);
     for (std::size_t i = 0; i < others.size(); ++i)
       count(others.size() - i - 1, size[index(others[i])]);
@@ -131,10 +134,11 @@ void BlockLdlt::analyse(const std::vector<int>& size,
     return std::exchange(length, length + size[index(i)] * size[index(j)]);
   };
   for (int i : order) {
-    std::ranges::sort(neighbours[index(i)], {}, [&](int j) { return position_[index(j)]; });
+    std::vector<int>& beside = neighbours[index(i)];
+    std::sort(beside.begin(), beside.end(),
+              [&](int j, int k) { return position_[index(j)] < position_[index(k)]; });
     Node node{i, size[index(i)], row[index(i)], place(i, i), static_cast<int>(below_.size()), 0};
-    for (int j : neighbours[index(i)])
-      below_.push_back({j, size[index(j)], row[index(j)], place(j, i)});
+    for (int j : beside) below_.push_back({j, size[index(j)], row[index(j)], place(j, i)});
     node.below_end = static_cast<int>(below_.size());
     nodes_.push_back(node);
     neighbours[index(i)] = {};

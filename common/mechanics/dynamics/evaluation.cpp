@@ -43,8 +43,9 @@ void Evaluation::analyse(const System& system) {
   try {
     K_.analyse(sizes, joints_of_things);
   } catch (const std::length_error&) {
-    const auto& [column, blocks] = *std::ranges::max_element(
-        blocks_of_column, {}, [](const auto& thing) { return thing.second.size(); });
+    const auto& [column, blocks] = *std::max_element(
+        blocks_of_column.begin(), blocks_of_column.end(),
+        [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
     throw std::invalid_argument(
         thing_at(layout_.things, column).name + ": the factor of J W J^T would take more than " +
         std::to_string(BlockLdlt::largest / 1'000'000) + " MB; most joints, " +

@@ -22,7 +22,8 @@ struct ThingInfo {
 
 /// The thing whose coordinates begin at a column; the things stand in that order.
 inline const ThingInfo& thing_at(const std::vector<ThingInfo>& things, int column) {
-  return *std::ranges::lower_bound(things, column, {}, &ThingInfo::column);
+  return *std::lower_bound(things.begin(), things.end(), column,
+                           [](const ThingInfo& thing, int c) { return thing.column < c; });
 }
 
 /// A row of a joint, counted from 1.

@@ -99,7 +99,8 @@ ForceHandle System::add_load(int column, const VectorXd& F) {
 void System::remove(ForceHandle force) {
   check("remove", JointHandle{force.number, force.system});
   const auto is_meant = [&](const auto& other) { return other.number == force.number; };
-  if (const auto load = std::ranges::find_if(loads_, is_meant); load != loads_.end()) {
+  if (const auto load = std::find_if(loads_.begin(), loads_.end(), is_meant);
+      load != loads_.end()) {
     // Not subtracted, but summed anew: nothing of it is left, not even its rounding.
     const ThingInfo& thing = thing_at(layout_.things, load->column);
     VectorXd sum = VectorXd::Zero(thing.dof);
