@@ -292,7 +292,7 @@ Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
           }};
 }
 
-class DrivenStage final : public pictures::MechanismStage {
+class DrivenStage final : public pictures::MechanismStage<> {
  public:
   DrivenStage(const Scene& scene, const RunOptions& run, Bodies bodies = {})
       : MechanismStage(run, make_mechanism(scene, run.method, &bodies)),

@@ -152,7 +152,7 @@ function image(target, rest, env) {
   const head = fs.readFileSync(path.join(source, file)).subarray(16, 24);
   const lazy = env.pictures++ ? ' loading="lazy"' : '';
   return `<img src="${target.replace(/png$/, 'webp')}" width="${head.readUInt32BE(0) / 2}" height="${
-    head.readUInt32BE(4) / 2}"${rest.replace(/ width="[^"]*"/, '')}${lazy}>`;
+    head.readUInt32BE(4) / 2}"${rest.replace(/ width="49%"/, ' class="half"')}${lazy}>`;
 }
 
 const linkOpen = (tokens, i, options, env, self) => {
@@ -200,17 +200,18 @@ function layout({page, title, headings, body, order, chapter, formulas}) {
 <link rel="icon" href="data:,">
 ${formulas ? `<link rel="stylesheet" href="${up('katex/katex.css')}">\n` : ''}<link rel="stylesheet" href="${up('style.css')}">
 ${chapter ? `<script src="${up('scene.js')}" defer></script>\n` : ''}</head>
-<body>
+<body${order < 0 ? ' class="source"' : ''}>
 <a class="skip" href="#text">To the text</a>
-<header><a href="${up('index.html')}">Constrained dynamics, measured</a> <a class="to-contents" href="#contents">Contents</a></header>
+<header><a href="${up('index.html')}">Constrained dynamics, measured</a>${
+  order < 0 ? '' : ' <a class="to-contents" href="#contents">Contents</a>'}</header>
 <main id="text">
 ${body}
 <nav class="turn" aria-label="Next and previous">${turn(-1, 'Previous', 'prev')}${turn(1, 'Next', 'next')}</nav>
 </main>
-<nav id="contents" aria-label="Contents">
+${order < 0 ? '' : `<nav id="contents" aria-label="Contents">
 ${contents(page, headings)}
 </nav>
-</body>
+`}</body>
 </html>
 `;
 }

@@ -16,7 +16,7 @@ namespace {
 draw::Point point(const Vector2d& x) { return {x.x(), x.y()}; }
 
 /// The scene in motion, to be drawn: what `snapshot` and `live` show.
-class FourBarStage final : public pictures::MechanismStage {
+class FourBarStage final : public pictures::MechanismStage<> {
  public:
   FourBarStage(const Scene& scene, const measure::RunOptions& run)
       : MechanismStage(run, make_mechanism(scene, run.method)), scene_(scene) {

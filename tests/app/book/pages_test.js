@@ -7,21 +7,23 @@ const fs = require('fs');
 const path = require('path');
 
 const [maker, source, out] = process.argv.slice(2);
-fs.rmSync(path.join(out, 'index.html'), {force: true});
+const all = (folder) => fs.readdirSync(folder, {withFileTypes: true}).flatMap((entry) =>
+  entry.isDirectory() ? all(path.join(folder, entry.name)) : [path.join(folder, entry.name)]);
+if (fs.existsSync(out)) all(out).filter((file) => file.endsWith('.html')).forEach((file) => fs.rmSync(file));
 const made = spawnSync(process.execPath, [maker, source, out], {encoding: 'utf8'});
 process.stdout.write(made.stdout + made.stderr);
 let faults = Number(made.status !== 0), links = 0, formulas = 0;
 const fault = (text) => { console.log(text); faults += 1; };
 
-const all = (folder) => fs.readdirSync(folder, {withFileTypes: true}).flatMap((entry) =>
-  entry.isDirectory() ? all(path.join(folder, entry.name)) : [path.join(folder, entry.name)]);
 const pages = all(out).filter((file) => file.endsWith('.html'));
 const text = Object.fromEntries(pages.map((file) => [file, fs.readFileSync(file, 'utf8')]));
-const ids = Object.fromEntries(pages.map((file) => [file, new Set([...text[file].matchAll(/ id="([^"]*)"/g)].map(([, id]) => id))]));
+// The tags alone: code on a page may speak of links too.
+const tags = Object.fromEntries(pages.map((file) => [file, text[file].match(/<[a-z][^>]*>/g).join('')]));
+const ids = Object.fromEntries(pages.map((file) => [file, new Set([...tags[file].matchAll(/ id="([^"]*)"/g)].map(([, id]) => id))]));
 const count = (html, pattern) => (html.match(pattern) || []).length;
 
 for (const file of pages) {
-  const html = text[file], name = path.relative(out, file);
+  const html = tags[file], name = path.relative(out, file);
   for (const [, kind, target] of html.matchAll(/ (href|src)="([^"]*)"/g)) {
     if (target === 'data:,' || kind === 'href' && /^https?:/.test(target)) continue;
     links += 1;
