@@ -236,7 +236,8 @@ TEST_CASE("semi-implicit Euler keeps the energy by length, and not by parameter"
   CHECK(refusal([&] { energy("parameter"); }).starts_with("where the bead leaves the wire"));
 }
 
-TEST_CASE("a corner leaves the speed as a rounded one does, by length; q̇ alone is another speed") {
+TEST_CASE(
+    "a corner leaves the speed as a rounded one does, by length, and q̇ alone is another speed") {
   Scene scene = scene_of("linear_spline", "length");
   scene.points = fmt::format("0,0 1,0 {},{}", 1 + 2 * std::cos(0.6), 2 * std::sin(0.6));
   scene.gravity = 0;

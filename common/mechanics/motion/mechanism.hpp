@@ -98,10 +98,11 @@ class Mechanism {
     else
       system.evaluate(t, q, v, e_);
     a = e_.a();
+    nearly_dependent_ = e_.nearly_dependent();
   }
   /// Whether the rows of the last acceleration were nearly dependent; whether accelerations are
   /// those of the nearest state on the constraints.
-  bool nearly_dependent() const { return e_.nearly_dependent(); }
+  bool nearly_dependent() const { return nearly_dependent_; }
   bool on_constraints() const { return on_constraints_; }
   void stay_on_constraints(bool stay) { on_constraints_ = stay; }
 
@@ -226,7 +227,7 @@ class Mechanism {
   SingularPoses poses_;
   double ks_, kd_;
   long left_open_ = 0;
-  bool on_constraints_ = false;
+  bool nearly_dependent_ = false, on_constraints_ = false;
   dynamics::Evaluation e_{system};
   Vector q_, v_;
 };
