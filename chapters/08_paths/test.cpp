@@ -368,7 +368,7 @@ TEST_CASE("the pictures of the lesson are those that the program draws") {
     picture_check::compare(
         "08_paths", "path_" + one.scene.path,
         draw::render(
-            {.width = 480, .height = 300, .scale = 1},
+            {.width = 480, .height = 300, .scale = 1, .captions = false},
             any_wire::pictures(one.scene, {.duration = one.duration, .step = 0.005})[0].draw));
 }
 
