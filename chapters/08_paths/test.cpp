@@ -270,7 +270,7 @@ TEST_CASE("what makes no wire is refused by the name of its option") {
   CHECK(message("cubic", [](Scene& s) { s.points = "0,0 1"; }) ==
         "points 0,0 1: allowed are pairs of numbers, x,y x,y");
   CHECK(message("cubic", [](Scene& s) { s.points = "0,0 1,nan"; }) ==
-        "points nan: allowed are numbers from -1e+12 to 1e+12");
+        "points nan: allowed is a number from -1e+12 to 1e+12");
   CHECK(message("projectile", [](Scene& s) { s.launch = "0,-1"; }).starts_with("launch 0,-1: "));
   CHECK(message("line", [](Scene& s) { s.q0 = 1.5; }) ==
         "q0 1.5: allowed is a place on the wire, 0 to 1");

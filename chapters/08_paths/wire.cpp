@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
 #include <sstream>
+
+#include "app/options.hpp"
 
 namespace any_wire {
 namespace {
@@ -32,12 +33,11 @@ std::vector<std::vector<std::string>> lines_of(const std::string& text) {
 }
 
 double number_of(const std::string& option, const std::string& text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !(std::abs(value) <= 1e12))
-    throw std::invalid_argument(fmt::format("{} {}: allowed are numbers from -1e+12 to 1e+12",
-                                            option, text.empty() ? "''" : text));
-  return value;
+  try {
+    return app::number(option, text, {});
+  } catch (const app::UsageError& error) {
+    throw std::invalid_argument(error.what());
+  }
 }
 
 /// Gives a scene one option of a line of a file.
