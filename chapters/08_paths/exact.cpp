@@ -27,10 +27,19 @@ std::optional<State> on_cycloid(double R, double g, const State& start, double t
 
 EnergyMotion::EnergyMotion(Wire wire, double g, const State& start)
     : wire_(std::move(wire)), g_(g), start_(start) {
-  const auto& [q0, v0] = start_;
+  // A closed wire is the same after each round.
+  if (wire_.closed) {
+    const double round = wire_.last - wire_.first;
+    before_ = std::floor((start.q - wire_.first) / round) * round;
+    start_.q -= before_;
+  }
+  const auto& [q0, v0_given] = start_;
   const double little = 1e-6 * (wire_.last - wire_.first);
   const double pull =
       g_ * (wire_.depth(q0 + little) - wire_.depth(q0 - little)) / (2 * little * wire_.stretch(q0));
+  // A speed that is spent within rounding of the start is none.
+  const double spent = v0_given * v0_given / (2 * std::abs(pull) * wire_.stretch(q0));
+  const double v0 = spent < 1e-9 * little ? 0.0 : v0_given;
   rests_ = v0 == 0.0 && !(std::abs(pull) > 1e-9 * g_);
   if (rests_) return;
   const int direction = v0 > 0.0 || (v0 == 0.0 && pull > 0.0) ? 1 : -1;
@@ -38,6 +47,8 @@ EnergyMotion::EnergyMotion(Wire wire, double g, const State& start)
   for (int i = 1; i < 3 && legs_.back().turns; ++i) {
     const double turn = legs_.back().to;
     legs_.push_back(leg(turn, i == 1 ? -direction : direction, wire_.depth(turn), 0.0));
+    // So small a swing that its energy is lost in the rounding of its height.
+    if (std::abs(turn - q0) < little && std::abs(legs_.back().to - turn) < little) holds_ = false;
   }
 }
 
@@ -140,6 +151,12 @@ State EnergyMotion::in(const Leg& leg, double t) const {
 }
 
 std::optional<State> EnergyMotion::at(double t) const {
+  std::optional<State> state = since_last_round(t);
+  if (state) state->q += before_;
+  return state;
+}
+
+std::optional<State> EnergyMotion::since_last_round(double t) const {
   if (rests_ || t <= 0.0) return start_;
   if (!holds_) return std::nullopt;
   if (legs_.size() == 1 && wire_.closed) {  // around and around

@@ -68,10 +68,12 @@ class EnergyMotion {
   /// The way from a place in a direction, to where its speed is zero or the wire ends.
   Leg leg(double from, int direction, double y0, double v2);
   State in(const Leg& leg, double t) const;
+  std::optional<State> since_last_round(double t) const;
 
   Wire wire_;
   double g_;
   State start_;
+  double before_ = 0;  // the rounds of a closed wire before the start
   bool rests_ = false, holds_ = true;
   std::vector<Leg> legs_;  ///< the first way; where it turns the way back, and the way there again
 };

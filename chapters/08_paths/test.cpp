@@ -259,6 +259,22 @@ TEST_CASE("x' = 0 stops the parameter, with its place, and not the length") {
   CHECK(bottom.speed == Approx(-2 * std::sqrt(9.81)).epsilon(1e-9));
 }
 
+TEST_CASE("the exact answer on a closed wire is that of a start some rounds before") {
+  Scene scene = scene_of("circle");
+  for (const double speed : {2.0, 7.0})
+    for (const double rounds : {-3.0, 400.0}) {
+      scene.q0 = 0.3;
+      scene.speed = speed;
+      const EnergyMotion here(as_energy_sees(path_of(scene)), 9.81, {scene.q0, scene.speed});
+      const double far = rounds * 2 * std::numbers::pi;
+      const EnergyMotion there(as_energy_sees(path_of(scene)), 9.81, {scene.q0 + far, scene.speed});
+      for (const double t : {0.0, 0.7, 5.0})
+        CHECK(std::abs(there.at(t)->q - here.at(t)->q - far) < 1e-9);
+    }
+  const EnergyMotion still(as_energy_sees(path_of(scene)), 9.81, {0.0, 1e-10});
+  CHECK(!still.at(1.0));
+}
+
 TEST_CASE("what makes no wire is refused by the name of its option") {
   const auto message = [](const char* path, auto change) {
     Scene scene = scene_of(path);

@@ -130,7 +130,7 @@ void Watch::look(const Measures& now) {
   last_ = now;
   stop_unstable_feedback();
   const double most = 0.5 * speed_ * speed_;
-  if (!(now.kinetic <= 2.0 * most))
+  if (!(now.kinetic <= 2.0 * most + std::numeric_limits<double>::min()))
     throw Diverged(at(t) + "the kinetic energy is " + said(now.kinetic, "J") +
                    ", where its start and the forces can have made at most " + said(most, "J") +
                    "; " + simulation_.culprit());
