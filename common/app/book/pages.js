@@ -98,9 +98,10 @@ md.renderer.rules.html_block = (tokens, i, options, env) => {
     (_, file, rest) => image(file, rest, env));
 };
 
-/// `html`, as a link to the scene with the options of `command`, if it is a call of this chapter's program.
+/// `html`, as a link to the scene with the options of `command`, if it is a call of this chapter's program
+/// with values for all of them (`--path NAME` has none).
 function live(command, env, html) {
-  const call = /^(?:build\/bin\/(\w+) |\.\/tutorial )?(run|live|snapshot)(?: (\d+))?((?: --[\w-]+ [-+.\w]+)+)(?: +#.*)?$/.exec(command);
+  const call = /^(?:build\/bin\/(\w+) |\.\/tutorial )?(run|live|snapshot)(?: (\d+))?((?: --[\w-]+ (?![A-Z]+\b)[-+.\w]+)+)(?: +#.*)?$/.exec(command);
   if (!call || !env.chapter || call[1] && call[1] !== env.chapter || call[3] && +call[3] !== parseInt(env.chapter, 10))
     return html;
   const query = new URLSearchParams();

@@ -1,17 +1,16 @@
 // A chapter of the book in headless Chromium, as a reader meets it:
 //
-//   node scene_test.js CHROMIUM MAKER SOURCE OUT SCENES CHAPTER [FOLDER]
+//   node scene_test.js CHROMIUM MAKER BOOK CHAPTER [FOLDER]
 //
-// MAKER is the folder of pages.js, which makes the book in OUT if what is there is older than SCENES. With a FOLDER screenshots of
-// the page go there, at three widths, light and dark.
+// MAKER is the folder of serve.js, BOOK what pages.js made. With a FOLDER screenshots of the page go there, at three
+// widths, light and dark.
 'use strict';
 const assert = require('assert');
-const {execFileSync} = require('child_process');
 const fs = require('fs');
 const path = require('path');
 const {launch} = require('./chromium.js');
 
-const [program, maker, source, out, scenes, chapter, pictures] = process.argv.slice(2);
+const [program, maker, out, chapter, pictures] = process.argv.slice(2);
 const {serve} = require(path.join(maker, 'serve.js'));
 
 /// The last line that the scene said and that matches; the page waits for it.
@@ -70,12 +69,14 @@ async function everyChapter(page, url) {
   await page.key('Escape');
   await page.until(`!document.querySelector('canvas') && !!document.querySelector('.poster img')`);
   assert(await page.ask(`document.activeElement.className === 'scene-start'`), 'back to its picture');
-  // Each state that the lesson links to opens.
+  // Each state that the lesson links to opens, or says why the program refuses it, in a lesson on a refusal.
   const links = await page.ask(`[...document.querySelectorAll('a.live')].map((link) => link.search)`);
   for (const link of new Set(links)) {
     await page.ask(`[...document.querySelectorAll('a.live')].find((one) => one.search === ${JSON.stringify(link)}).click()`);
-    await said(page, /^runs at t = 0 s/);
-    await page.until(`document.querySelector('[data-chapter]').scene.frames > 0`);
+    const refused = /ease=linear/.test(link);
+    if (refused) await page.until(`/infinite force/.test(document.querySelector('.words')?.textContent)`);
+    else await said(page, /^runs at t = 0 s/);
+    if (!refused) await page.until(`document.querySelector('[data-chapter]').scene.frames > 0`);
   }
   assert(await page.ask(`[...document.querySelectorAll('h2')].some((one) => one.textContent === 'Turn it off') &&
     document.querySelectorAll('h2#turn-it-off ~ * a.live').length > 0`), 'what is turned off is linked to');
@@ -156,9 +157,6 @@ async function screenshots(page, url) {
 }
 
 (async () => {
-  const made = (folder) => fs.statSync(path.join(folder, `${chapter}.js`), {throwIfNoEntry: false})?.mtimeMs || 0;
-  if (made(path.join(out, 'scenes')) < made(scenes))
-    execFileSync(process.execPath, [path.join(maker, 'pages.js'), source, out, scenes], {stdio: 'inherit'});
   const server = await serve(out), home = `http://127.0.0.1:${server.address().port}/`, url = `${home}chapters/${chapter}/index.html`;
   const page = await launch(program);
   try {
