@@ -30,7 +30,6 @@ inline void hold(mechanics::Mechanism& mechanism, dynamics::Handle<dynamics::Bod
 }
 // [spring]
 
-// [incline]
 /// The rail is a line of the world, and the world has no coordinates: one body, two rows.
 inline mechanics::Mechanism make_incline(const Scene& scene, const mechanics::Method& method = {}) {
   mechanics::Mechanism mechanism(method);
@@ -45,7 +44,6 @@ inline mechanics::Mechanism make_incline(const Scene& scene, const mechanics::Me
   mechanism.assemble();
   return mechanism;
 }
-// [incline]
 
 // [spin]
 /// The rail is a body: two bodies, a pin and a rail, four rows. Rail and block turn together.

@@ -4,7 +4,6 @@
 
 namespace prismatic {
 
-// [without]
 /// The rail without 2 ω1 (S n)·ḋ: it answers for its own turning and for the points' circles, but
 /// not for the block that moves along it while it turns.
 struct WithoutCoriolis : joints::Prismatic {
@@ -18,6 +17,5 @@ struct WithoutCoriolis : joints::Prismatic {
     return rows;
   }
 };
-// [without]
 
 }  // namespace prismatic
