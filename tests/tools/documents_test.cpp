@@ -88,10 +88,11 @@ TEST_CASE("a paragraph with figures says by a comment where they come from") {
   const auto add = [&](const std::string& text) {
     copy.write("docs/more.md", "# More\n\n## Some part 1.5\n\n" + text);
   };
-  for (const char* other : {"`0.5`, $1.5$ and [two](../README.md)", "dop853 and RK4 on 2026-11-29",
-                            "99 runs, 10⁻⁶ m", "<img width=\"100\">", "| 0.5 | 100 |",
-                            "```text\n0.5\n```", "Box2D 2.4.1, CMake 3.22, §19.25",
-                            "*Methods 12*, 1985, 177–290", "<!-- given -->\nA rod\nof 0.5 m"}) {
+  for (const char* other :
+       {"`0.5`, $1.5$ and [two](../README.md)", "dop853 and RK4 on 2026-11-29", "99 runs, 10⁻⁶ m",
+        "<img width=\"100\">", "| 0.5 | 100 |", "```text\n0.5\n```",
+        "Box2D 2.4.1, CMake 3.22, §19.25", "*Methods 12*, 1985, 177–290",
+        "<!-- given -->\nA rod\nof 0.5 m\n\nis long"}) {
     INFO(other);
     add(other);
     CHECK(copy.documents("--numbers") == 0);
