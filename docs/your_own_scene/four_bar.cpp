@@ -11,7 +11,6 @@ using Eigen::Vector2d, Eigen::VectorXd;
 
 constexpr double ground = 1.0, crank = 0.3, coupler = 0.9, rocker = 0.6;  // lengths [m]
 
-// [exact]
 /// The rocker's angle at a crank angle theta. With the way D from the crank's pin to the rocker's
 /// pivot, the coupler has its length where |D + rocker (cos psi, sin psi)| = coupler.
 /// Freudenstein's equation is that, squared and divided: P cos psi + Q sin psi = R.
@@ -22,10 +21,8 @@ double rocker_angle(double theta) {
                        (2 * crank * rocker);
   return std::atan2(Q, P) - std::acos(R / std::hypot(P, Q));  // +: the loop folded the other way
 }
-// [exact]
 
 int main() try {
-  // [scene]
   dynamics::System system;
   // A uniform bar of 1 kg/m and its pose at the start: its middle, and the way it points.
   const auto add_bar = [&](const char* name, double length, const Vector2d& from,
@@ -49,9 +46,7 @@ int main() try {
   const double torque = 3.0;  // [N m]
   system.apply(crank_bar, {0, 0, torque});
   system.set_gravity({0, 9.81});
-  // [scene]
 
-  // [loop]
   VectorXd q = system.initial_q(), v = system.initial_v();
   system.assemble(0, q, v);
   const double& theta = q[crank_bar.column + 2];  // x, y, theta: of each body three
@@ -72,7 +67,6 @@ int main() try {
     rk4.step(acceleration, t, q, v, h);
     system.project(t + h, q, v, e);
   }
-  // [loop]
 } catch (const std::exception& error) {
   std::fprintf(stderr, "four_bar: %s\n", error.what());
   return 1;

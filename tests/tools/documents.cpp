@@ -1,6 +1,6 @@
 // Keeps what the documents show in step with what the sources say and the programs print.
 //
-//   documents [--check | --commands] SOURCE BIN [PAGE...]
+//   documents [--check | --numbers | --commands] SOURCE BIN [PAGE...]
 //
 // The pages are files in SOURCE; without any, all of README.md, docs and chapters.
 //
@@ -15,13 +15,15 @@
 //
 // and one names where the figures of the paragraph after it come from:
 //
-//   <!-- figures: COMMAND -->     each number with a decimal point, a power of ten or three digits
-//   is one
-//                                 that the shell command prints, rounded
+//   <!-- figures: COMMAND -->     each number with a decimal point, a factor before its power of
+//                                 ten or three digits is one that the shell command prints, rounded
+//   <!-- given -->                they are chosen, or a source's; nothing here measures them
 //
 // Without --check the blocks are written anew. With it nothing is written: each block that differs
-// and each link without a target is named, and the exit status is 1. With --commands the commands
-// that the documents show in indented lines, and those of build/bin in the text, are run instead.
+// and each link without a target is named, and the exit status is 1. With --numbers each paragraph
+// is named instead that has such numbers and neither of these two comments, and the exit status
+// is 1. With --commands the commands that the documents show in indented lines, and those of
+// build/bin in the text, are run instead.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -199,17 +201,28 @@ std::vector<Figure> figures(const std::string& text) {
   return found;
 }
 
+/// The figures in a paragraph's prose. Not among them are those in code, formulas, addresses, names
+/// (dop853), dates, years with a journal's pages, versions and sections, and numbers below 100.
+std::vector<Figure> figures_of_prose(const std::string& paragraph) {
+  static const std::regex other(
+      R"re(`[^`]*`|\$[^$]*\$|\]\([^)]*\)|https?:\S+|\d{4}-\d\d-\d\d|§[\d.]+|\d+\.\d+\.\d+|)re"
+      R"re(\b(CMake|Debian|Ubuntu|Eigen|ImGui|Box2D|MuJoCo|GLFW|C\+\+) v?\d[\d.]*|\b[A-Za-z_]\w*|)re"
+      R"re(\b(19[4-9]\d|20[0-3][1-9]|20[1-3]0)\b(?!\.\d)(, \d+–\d+)?)re");
+  std::vector<Figure> found = figures(std::regex_replace(paragraph, other, "|"));
+  std::erase_if(found, [](const Figure& figure) {
+    return figure.text.size() < 3 &&
+           figure.text.find_first_not_of("0123456789") == std::string::npos;
+  });
+  return found;
+}
+
 /// The figures of a paragraph that a command does not print.
-std::vector<std::string> strange_figures(std::string paragraph, const std::string& command) {
+std::vector<std::string> strange_figures(const std::string& paragraph, const std::string& command) {
   static std::map<std::string, std::vector<Figure>> printed;  // a command may serve many paragraphs
   if (!printed.contains(command))
     printed[command] = figures(fmt::format("{}", fmt::join(output(command), "\n")));
-  static const std::regex not_prose(R"re(`[^`]*`|\$[^$]*\$|\]\([^)]*\))re");
-  paragraph = std::regex_replace(paragraph, not_prose, "");
   std::vector<std::string> strange;
-  for (const Figure& shown : figures(paragraph)) {
-    const bool plain = shown.text.find_first_not_of("0123456789") == std::string::npos;
-    if (plain && shown.text.size() < 3) continue;
+  for (const Figure& shown : figures_of_prose(paragraph)) {
     const bool known =
         std::any_of(printed[command].begin(), printed[command].end(), [&](const Figure& figure) {
           return std::abs(figure.value - shown.value) <= 1.001 * shown.half_unit;
@@ -217,6 +230,32 @@ std::vector<std::string> strange_figures(std::string paragraph, const std::strin
     if (!known) strange.push_back(shown.text);
   }
   return strange;
+}
+
+/// Names each paragraph of running text that has figures and no comment that says where from.
+void check_numbers(const fs::path& file, const std::vector<std::string>& lines,
+                   std::vector<std::string>& complaints) {
+  static const std::regex no_text("#.*|\\|.*|<.*|    .*|```.*|");
+  bool code = false, marked = false;
+  std::string paragraph;
+  std::size_t first = 0;
+  for (std::size_t i = 0; i <= lines.size(); ++i) {
+    const std::string line = i < lines.size() ? lines[i] : "";
+    if (line.starts_with("```")) code = !code;
+    if (!code && !std::regex_match(line, no_text)) {
+      if (paragraph.empty()) first = i + 1;
+      paragraph += line + "\n";
+      continue;
+    }
+    std::vector<std::string> found;
+    for (const Figure& figure : figures_of_prose(marked ? "" : paragraph))
+      found.push_back(figure.text);
+    if (!found.empty())
+      complaints.push_back(fmt::format("{}:{}: {} without figures: or given before the paragraph",
+                                       file.string(), first, fmt::join(found, ", ")));
+    paragraph.clear();
+    marked = line.starts_with("<!-- figures: ") || line == "<!-- given -->";
+  }
 }
 
 /// The document as it should be; what differs is named.
@@ -231,7 +270,8 @@ std::vector<std::string> in_step(const fs::path& source, const fs::path& file,
     result.push_back(lines[i]);
     if (std::regex_match(lines[i], match, of_figures)) {
       std::string paragraph;
-      for (std::size_t next = i + 1; next < lines.size() && !lines[next].empty(); ++next)
+      for (std::size_t next = i + 1;
+           next < lines.size() && !lines[next].empty() && !lines[next].starts_with("<!-- "); ++next)
         paragraph += lines[next] + "\n";
       for (const std::string& figure : strange_figures(paragraph, match[1]))
         complaints.push_back(fmt::format("{}:{}: {} is no figure of {}", file.string(), i + 2,
@@ -380,11 +420,13 @@ int check_commands(const std::vector<fs::path>& pages, const fs::path& bin) {
 
 int main(int argc, char** argv) try {
   std::vector<std::string> arguments(argv + 1, argv + argc);
-  const bool check = !arguments.empty() && arguments[0] == "--check";
-  const bool commands = !arguments.empty() && arguments[0] == "--commands";
-  if (check || commands) arguments.erase(arguments.begin());
+  const std::string option = arguments.empty() ? "" : arguments[0];
+  const bool check = option == "--check", numbers = option == "--numbers";
+  const bool commands = option == "--commands";
+  if (check || numbers || commands) arguments.erase(arguments.begin());
   if (arguments.size() < 2 || arguments[0].starts_with('-')) {
-    fmt::print(stderr, "usage: documents [--check | --commands] SOURCE BIN [PAGE...]\n");
+    fmt::print(stderr,
+               "usage: documents [--check | --numbers | --commands] SOURCE BIN [PAGE...]\n");
     return 2;
   }
   const fs::path bin = fs::absolute(arguments[1]);
@@ -397,15 +439,16 @@ int main(int argc, char** argv) try {
   for (const fs::path& file : pages) {
     std::vector<std::string> complaints;
     const std::vector<std::string> old = lines_of(file);
-    const std::vector<std::string> fresh = in_step(".", file, old, complaints);
+    if (numbers) check_numbers(file, old, complaints);
+    const std::vector<std::string> fresh = numbers ? old : in_step(".", file, old, complaints);
     if (!check && fresh != old)
       files::write_file(file, fmt::format("{}\n", fmt::join(fresh, "\n")));
     for (const std::string& complaint : complaints) fmt::print("{}\n", complaint);
     differs |= !complaints.empty();
   }
-  if (differs)
+  if (differs && !numbers)
     fmt::print("{}\n", check ? "bring them in step: ./tutorial docs" : "brought in step");
-  return check && differs ? 1 : 0;
+  return (check || numbers) && differs ? 1 : 0;
 } catch (const std::exception& error) {
   fmt::print(stderr, "documents: {}\n", error.what());
   return 1;

@@ -82,6 +82,31 @@ TEST_CASE("the documents' check fails when one character of what they show chang
   CHECK(copy.documents("--check") == 1);
 }
 
+TEST_CASE("a paragraph with figures says by a comment where they come from") {
+  const Copy copy;
+  CHECK(copy.documents("--numbers") == 0);
+  const auto add = [&](const std::string& text) {
+    copy.write("docs/more.md", "# More\n\n## Some part 1.5\n\n" + text);
+  };
+  for (const char* other :
+       {"`0.5`, $1.5$ and [two](../README.md)", "dop853 and RK4 on 2026-11-29", "99 runs, 10⁻⁶ m",
+        "<img width=\"100\">", "| 0.5 | 100 |", "```text\n0.5\n```",
+        "Box2D 2.4.1, CMake 3.22, §19.25", "*Methods 12*, 1985, 177–290",
+        "<!-- given -->\nA rod\nof 0.5 m\n\nis long"}) {
+    INFO(other);
+    add(other);
+    CHECK(copy.documents("--numbers") == 0);
+  }
+  for (const char* measured :
+       {"It takes 0.5 s.", "*Off by\n2·10⁻⁶ m*", "- after 120 steps", "1.5e-07 in 1985",
+        "in 2000 steps", "<!-- given -->\nA rod of 0.5 m\n\nis 0.7 m off",
+        "```text\n```\n56 000 m"}) {
+    INFO(measured);
+    add(measured);
+    CHECK(copy.documents("--numbers") == 1);
+  }
+}
+
 TEST_CASE("a command that the documents show and that does not run is a fault") {
   const Copy copy;
   CHECK(copy.documents("--commands") == 0);

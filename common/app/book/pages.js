@@ -130,7 +130,7 @@ md.core.ruler.push('book', (state) => {
     if (tokens[i].type === 'paragraph_open' && only.length === 1 && only[0].type === 'image') {
       tokens[i].tag = tokens[i + 2].tag = 'figure';
       let next = i + 3;
-      while (tokens[next] && tokens[next].type === 'html_block' && tokens[next].content.startsWith('<!-- figures')) next += 1;
+      while (tokens[next] && tokens[next].type === 'html_block' && /^<!-- (figures|given)/.test(tokens[next].content)) next += 1;
       const words = tokens[next] && tokens[next].type === 'paragraph_open' && tokens[next + 1].children;
       if (!words || words[0].type !== 'em_open' || words[words.length - 1].type !== 'em_close') continue;
       tokens[next].tag = tokens[next + 2].tag = 'figcaption';
