@@ -29,10 +29,8 @@ class ImplicitBead {
   explicit ImplicitBead(const Scene& scene, double ks = 0.0, double kd = 0.0)
       : scene_(scene), F_(scene.applied_force()), ks_(ks), kd_(kd) {}
 
-  // [constraint]
   double C(const Vector& x) const { return x.x() * x.x() + 2.0 * scene_.p * x.y(); }
   Vector gradient(const Vector& x) const { return {2.0 * x.x(), 2.0 * scene_.p}; }
-  // [constraint]
 
   // [constraint_force]
   /// The force [N] with which the curve holds the bead against any applied force F [N].
@@ -45,11 +43,11 @@ class ImplicitBead {
     const double lambda = -load / grad_C.squaredNorm();
     return lambda * grad_C;
   }
+  // [constraint_force]
 
   void acceleration(double, const Vector& x, const Vector& v, Vector& a) const {
     a = (F_ + constraint_force(x, v, F_)) / scene_.mass;
   }
-  // [constraint_force]
 
   // [projection]
   /// Back onto the curve along ∇C, then the velocity back onto the tangent.

@@ -11,7 +11,6 @@ class OneByOne : public mechanics::Mechanism {
   explicit OneByOne(const Scene& scene, const mechanics::Method& method = {})
       : Mechanism(make_mechanism(scene, method)), free_(0, scene.gravity, 0, scene.gravity) {}
 
-  // [one_by_one]
   void acceleration(double t, const Vector& q, const Vector& v, Vector& a) {
     Mechanism::acceleration(t, q, v, a);
     const Eigen::MatrixXd J = evaluation().jacobian();
@@ -24,7 +23,6 @@ class OneByOne : public mechanics::Mechanism {
       a += lambda * W_Jt;
     }
   }
-  // [one_by_one]
 
  private:
   Eigen::Vector4d free_;

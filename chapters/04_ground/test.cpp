@@ -179,19 +179,19 @@ TEST_CASE("a step allocates nothing") {
   }
 }
 
-TEST_CASE(
-    "solution 1: critical damping leaves (1 + 5t) exp(−5t) of the error, 4 % after one second") {
-  CHECK(decay(25.0, 10.0, 1.0).e == Approx(6.0 * std::exp(-5.0)).epsilon(1e-14));
-  CHECK(decay(25.0, 10.0, 1.0).e == Approx(0.04).margin(0.001));
-}
-
-TEST_CASE("solution 2: the load of a turned plate has a shorter arm") {
+TEST_CASE("solution 1: the load of a turned plate has a shorter arm") {
   Scene scene = displaced;
   scene.offset_theta = 1.0;
   Motion plate = motion(scene);
   plate.advance(50, 0.01);
   const mechanics::Row row = plate.row();
   CHECK(row.reactions[2] == Approx(-0.3 * std::cos(1.0) * 5.0 * std::sin(1.0)).epsilon(1e-12));
+}
+
+TEST_CASE(
+    "solution 2: critical damping leaves (1 + 5t) exp(−5t) of the error, 4 % after one second") {
+  CHECK(decay(25.0, 10.0, 1.0).e == Approx(6.0 * std::exp(-5.0)).epsilon(1e-14));
+  CHECK(decay(25.0, 10.0, 1.0).e == Approx(0.04).margin(0.001));
 }
 
 TEST_CASE("solution 3: at 0.01 s semi-implicit Euler takes gains up to 6863 1/s²") {
