@@ -74,7 +74,8 @@ double time_to_reach(const Report& report, const std::string& method, double lev
 
 std::string short_table(const Report& report) {
   std::string machine;
-  for (const std::string& line : report.machine) machine += (machine.empty() ? "" : "; ") + line;
+  for (const std::string& line : report.machine)
+    if (!line.starts_with("flags:")) machine += (machine.empty() ? "" : "; ") + line;
   return time_table(report) + machine + "\n";
 }
 
