@@ -1,4 +1,4 @@
-// Chapter 1: a particle on a curve, held there by the force that its constraint asks for.
+// Chapter 1: a particle on a curve, held there by the force of its constraint.
 
 #include <cmath>
 #include <cstdio>

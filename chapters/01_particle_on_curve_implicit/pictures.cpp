@@ -129,32 +129,32 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
   if (weight > 0.0)
     caption += fmt::format(", {:.2f} times the weight", middle.constraint_force.norm() / weight);
   caption += fmt::format(" ({}, step {:g} s).", run.method.label(), run.step);
-  return {"motion", [=](draw::Pen& pen) {
-            const draw::Rect content = draw::page(
-                pen,
-                fmt::format("A particle on a curve: {} exposures, from t = 0 to t = {:.2f} s",
-                            exposures, half),
-                caption);
-            Canvas canvas(pen, content, view);
-            canvas.axes("m");
-            parabola::draw_track(canvas, scene, view);
-            for (std::size_t i = 0; i < instants.size(); ++i) {
-              const Instant& instant = instants[i];
-              canvas.arrow(point(instant.x), point(scale * instant.constraint_force),
-                           canvas.theme().constraint_force);
-              parabola::draw_bead(canvas, scene, instant.x,
-                                  0.35 + 0.65 * static_cast<double>(i) / (exposures - 1));
-              const double side = instant.x.x() > 1e-9 * scene.x0 ? 1.0 : -1.0;
-              canvas.label(point(instant.x), fmt::format("{:.2f} s", instant.t),
-                           canvas.theme().muted, draw::Font::small,
-                           side > 0.0 ? draw::Align::left : draw::Align::right,
-                           {12.0 * side, 12.0});
-            }
-            canvas.force_scale(scale);
-            canvas.label({0.5 * (view.left + view.right), view.top}, "arrows: constraint force λ∇C",
-                         canvas.theme().constraint_force, draw::Font::bold, draw::Align::center,
-                         {0.0, 16.0});
-          }};
+  return {
+      "motion", [=](draw::Pen& pen) {
+        const draw::Rect content =
+            draw::page(pen,
+                       fmt::format("A particle on a curve: {} instants, from t = 0 to t = {:.2f} s",
+                                   exposures, half),
+                       caption);
+        Canvas canvas(pen, content, view);
+        canvas.axes("m");
+        parabola::draw_track(canvas, scene, view);
+        for (std::size_t i = 0; i < instants.size(); ++i) {
+          const Instant& instant = instants[i];
+          canvas.arrow(point(instant.x), point(scale * instant.constraint_force),
+                       canvas.theme().constraint_force);
+          parabola::draw_bead(canvas, scene, instant.x,
+                              0.35 + 0.65 * static_cast<double>(i) / (exposures - 1));
+          const double side = instant.x.x() > 1e-9 * scene.x0 ? 1.0 : -1.0;
+          canvas.label(point(instant.x), fmt::format("{:.2f} s", instant.t), canvas.theme().muted,
+                       draw::Font::small, side > 0.0 ? draw::Align::left : draw::Align::right,
+                       {12.0 * side, 12.0});
+        }
+        canvas.force_scale(scale);
+        canvas.label({0.5 * (view.left + view.right), view.top}, "arrows: constraint force λ∇C",
+                     canvas.theme().constraint_force, draw::Font::bold, draw::Align::center,
+                     {0.0, 16.0});
+      }};
 }
 
 pictures::Drift drift(const Scene& scene, const mechanics::Method& method, double duration,
@@ -168,7 +168,7 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
   for (const auto& scheme : integrators::schemes)
     drifts.push_back(drift(scene, {.integrator = scheme.id}, run.duration, run.step));
   const std::string caption = fmt::format(
-      "No stabilization, step {:g} s, {:g} s: explicit Euler strays to |C| = {} m², "
+      "No stabilization, step {:g} s, {:g} s: explicit Euler reaches |C| = {} m², "
       "RK4 to {} m², dop853 to {} m².",
       run.step, run.duration, pictures::figure(drifts.front().largest_constraint_error),
       pictures::figure(drifts[3].largest_constraint_error),
@@ -203,7 +203,7 @@ Picture erratum_picture(Scene scene, const RunOptions& run) {
       pictures::drift("100·x·Fx, as printed", printed, run.duration, run.step),
       pictures::drift("50·x·Fx, as derived", right, run.duration, run.step)};
   const std::string caption = fmt::format(
-      "With a horizontal force of {:g} N the printed formula strays to |C| = {} m², the "
+      "With a horizontal force of {:g} N the printed formula reaches |C| = {} m², the "
       "derived one to {} m².",
       scene.force_x, pictures::figure(drifts[0].largest_constraint_error),
       pictures::figure(drifts[1].largest_constraint_error));
@@ -276,7 +276,7 @@ Picture turned_off_picture(Scene scene, const RunOptions& run) {
     stages[with] = std::make_unique<BeadStage>(scene, part);
   }
   const std::string caption = fmt::format(
-      "Both after {:g} s: without 2 m vx² the particle strays to |C| = {} m², with it to {} m² "
+      "Both after {:g} s: without 2 m vx² the particle reaches |C| = {} m², with it to {} m² "
       "(rk4, step {:g} s). The red line shows how far it is from the curve.",
       part.duration, pictures::figure(off[0]), pictures::figure(off[1]), part.step);
   return pictures::beside("turned_off", "A particle on a curve: the term that follows the bend",

@@ -88,7 +88,7 @@ int study(int argc, char** argv) {
       {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, app::not_negative, app::acts},
       {"--p", "m", "half the parameter of the parabola x² + 2py = 0", &scene.p, app::positive},
       {"--force-x", "N", "constant horizontal force", &scene.force_x, app::any, app::acts},
-      {"--without=jdotv", "", "2 m vx², what the bend asks for", &scene.without_velocity_term,
+      {"--without=jdotv", "", "2 m vx², which bends the path", &scene.without_velocity_term,
        app::on_or_off, app::acts},
   };
   chapter.defaults = {.duration = 20.0, .step = 0.01};

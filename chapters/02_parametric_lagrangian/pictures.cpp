@@ -168,7 +168,7 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
     drifts.push_back(pictures::drift(name + ", parametric", parametric, run.duration, run.step));
   }
   const std::string caption = fmt::format(
-      "RK4, step {:g} s, {:g} s: the implicit particle strays to |C| = {} m², the "
+      "RK4, step {:g} s, {:g} s: the implicit particle reaches |C| = {} m², the "
       "parametric one only by rounding; "
       "the energies are off by at most {} J and {} J.",
       run.step, run.duration, pictures::figure(drifts[4].largest_constraint_error),

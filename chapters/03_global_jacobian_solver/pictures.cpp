@@ -248,15 +248,15 @@ Picture motion_picture(const Scene& scene, const RunOptions& run) {
   }
   const draw::View seen = view(scene, half);
   const double scale = force_scale(largest, seen, 0.2);
-  const std::string caption = fmt::format(
-      "Of these exposures the rod carries most at t = {:.2f} s, {} N ({}, step {:g} s).", rod_time,
-      pictures::rounded(rod_force), run.method.label(), run.step);
+  const std::string caption =
+      fmt::format("Of these instants the rod carries most at t = {:.2f} s, {} N ({}, step {:g} s).",
+                  rod_time, pictures::rounded(rod_force), run.method.label(), run.step);
   return {
       "motion", [=](draw::Pen& pen) {
         Canvas canvas(
             pen,
             draw::page(pen,
-                       fmt::format("Two beads and a rod: {} exposures, from t = 0 to t = {:.2f} s",
+                       fmt::format("Two beads and a rod: {} instants, from t = 0 to t = {:.2f} s",
                                    exposures, half),
                        caption),
             seen);
@@ -294,7 +294,7 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
   for (const auto& scheme : integrators::schemes)
     drifts.push_back(drift(scene, {.integrator = scheme.id}, run.duration, run.step));
   const std::string caption = fmt::format(
-      "No stabilization, step {:g} s, {:g} s: explicit Euler strays to |C| = {} m², RK4 to {} m², "
+      "No stabilization, step {:g} s, {:g} s: explicit Euler reaches |C| = {} m², RK4 to {} m², "
       "dop853 to {} m².",
       run.step, run.duration, figure(drifts.front().largest_constraint_error),
       figure(drifts[3].largest_constraint_error), figure(drifts[4].largest_constraint_error));

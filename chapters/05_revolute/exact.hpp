@@ -25,7 +25,7 @@ struct Swing {
 /// lost digits too.
 Swing swing(const Scene& scene, double t);
 
-/// The single rod. The pin force is what Newton's law asks for beyond the weight.
+/// The single rod. The pin force is what Newton's law gives beyond the weight.
 Exact exact_pendulum(const Scene& scene, double t);
 
 /// A chain of two or more, which has no closed form. Lagrange's equations in the angles θi alone,

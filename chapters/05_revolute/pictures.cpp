@@ -237,8 +237,8 @@ Picture motion_picture(const Scene& given, const RunOptions& run) {
         Canvas canvas(
             pen,
             draw::page(pen,
-                       fmt::format("A rod on a pin: {} exposures, from t = 0 to t = {:.2f} s",
-                                   count, instants.back().t),
+                       fmt::format("A rod on a pin: {} instants, from t = 0 to t = {:.2f} s", count,
+                                   instants.back().t),
                        caption),
             view);
         canvas.axes("m");
@@ -286,7 +286,7 @@ Picture chain_picture(const Scene& given, const RunOptions& run) {
   return {"chain", [=](draw::Pen& pen) {
             Canvas canvas(pen,
                           draw::page(pen,
-                                     fmt::format("A chain falls: {} exposures, from t = 0 to t = "
+                                     fmt::format("A chain falls: {} instants, from t = 0 to t = "
                                                  "{:.2f} s",
                                                  count, duration),
                                      caption),
@@ -307,14 +307,14 @@ Picture chain_picture(const Scene& given, const RunOptions& run) {
           }};
 }
 
-/// Two double pendulums, released a hair apart.
+/// Two double pendulums, released almost alike.
 Picture chaos_picture(const Scene& given) {
   Scene scene = given;
   scene.links = 2;
   scene.angle0 = -0.9;
   Scene other = scene;
-  constexpr double hair = 1e-6;
-  other.angle0 += hair;
+  constexpr double turn = 1e-6;
+  other.angle0 += turn;
   const double L = scene.length;
   const double duration = 24.0 * std::sqrt(L / std::max(scene.gravity, 1e-12));
   constexpr int pieces = 2000;
@@ -342,11 +342,11 @@ Picture chaos_picture(const Scene& given) {
       "Released {} rad apart, they are {} m apart after {:.1f} s: about ten times further every "
       "{:.1f} s. "
       "Grey: the way of the free ends while they are less than {} m apart.",
-      pictures::figure(hair, 1), pictures::figure(0.1 * L, 1), parted,
-      parted / std::log10(0.1 / hair), pictures::figure(0.01 * L, 1));
+      pictures::figure(turn, 1), pictures::figure(0.1 * L, 1), parted,
+      parted / std::log10(0.1 / turn), pictures::figure(0.01 * L, 1));
   return {"chaos", [=](draw::Pen& pen) {
             const draw::Rect content =
-                draw::page(pen, "Two double pendulums, released a hair apart", caption);
+                draw::page(pen, "Two double pendulums, released 10⁻⁶ rad apart", caption);
             const double gap = 20.0, width = 0.5 * (content.width - gap);
             draw::Plot plot;
             plot.x = {.label = "time [s]"};

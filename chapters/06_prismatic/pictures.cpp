@@ -215,12 +215,12 @@ Picture motion_picture(const Scene& given, const RunOptions& run) {
       run.method.label(), run.step, pictures::rounded(instants.back().force.norm()));
   return {
       "motion", [=](draw::Pen& pen) {
-        Canvas canvas(pen,
-                      draw::page(pen,
-                                 fmt::format("A block on a rail: {} exposures, {:.2f} s apart",
-                                             count, interval),
-                                 caption),
-                      view);
+        Canvas canvas(
+            pen,
+            draw::page(
+                pen, fmt::format("A block on a rail: {} instants, {:.2f} s apart", count, interval),
+                caption),
+            view);
         canvas.axes("m");
         const auto& theme = canvas.theme();
         draw_rail(canvas, instants.front(), 3.0 * size_of(view), 1.0, 2.4);

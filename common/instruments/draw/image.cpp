@@ -26,12 +26,12 @@ std::int64_t squared_distance(const Rgb& a, const Rgb& b) {
   return sum;
 }
 
-/// Takes, until 256 are found, the colour whose pixels are farthest from what they would be drawn
+/// Takes, until 128 are found, the colour whose pixels are farthest from what they would be drawn
 /// in, and sets each tone's entry to the nearest.
 std::vector<Rgb> palette_of(std::vector<Tone>& tones) {
   const auto error = [](const Tone& tone) { return tone.pixels * tone.distance; };
   std::vector<Rgb> palette;
-  while (palette.size() < 256) {
+  while (palette.size() < 128) {
     const Rgb worst = std::max_element(tones.begin(), tones.end(), [&](auto& a, auto& b) {
                         return error(a) < error(b);
                       })->rgb;

@@ -12,7 +12,7 @@ struct Image {
   std::vector<std::uint8_t> rgba;
 };
 
-/// The bytes of a PNG file without opacity, in at most 256 colours: a picture that has more, on
+/// The bytes of a PNG file without opacity, in at most 128 colours: a picture that has more, on
 /// soft edges and letters, keeps those that change it least. Throws std::runtime_error when it
 /// cannot be made.
 std::string encode_png(const Image& image);

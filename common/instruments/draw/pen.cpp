@@ -2,6 +2,7 @@
 
 #include <imgui.h>
 
+#include <cctype>
 #include <cfloat>
 #include <numbers>
 
@@ -289,6 +290,41 @@ void Pen::arrow(Point from, Point to, Color color, double thickness) {
   polygon(tip, color);
 }
 
+namespace {
+
+constexpr float subscript_size = 0.75f;  ///< of the line's
+
+struct Run {
+  std::string_view text;
+  bool subscript;
+};
+
+/// A letter, `_` and a letter, alone as in "k_d h": the second is a subscript. In a name with `_`
+/// ("semi_implicit_euler") there is none.
+std::vector<Run> runs_of(std::string_view utf8) {
+  const auto in_word = [&](std::size_t i) {
+    return i < utf8.size() && (std::isalnum(static_cast<unsigned char>(utf8[i])) || utf8[i] == '_');
+  };
+  std::vector<Run> runs;
+  std::size_t begin = 0;
+  for (std::size_t i = 1; i + 1 < utf8.size(); ++i) {
+    if (utf8[i] != '_' || !in_word(i - 1) || !in_word(i + 1)) continue;
+    if ((i > 1 && in_word(i - 2)) || in_word(i + 2)) continue;
+    runs.push_back({utf8.substr(begin, i - begin), false});
+    runs.push_back({utf8.substr(i + 1, 1), true});
+    begin = i + 2;
+  }
+  runs.push_back({utf8.substr(begin), false});
+  return runs;
+}
+
+double width_of(ImFont* face, float size, std::string_view utf8) {
+  const char* begin = utf8.data();
+  return face->CalcTextSizeA(size, FLT_MAX, 0, begin, begin + utf8.size()).x;
+}
+
+}  // namespace
+
 void Pen::text(Point at, std::string_view utf8, Color color, Font font, Align align, bool halo) {
   if (!finite(at) || utf8.empty()) return;
   ImFont* face = fonts_[index(font)];
@@ -296,7 +332,13 @@ void Pen::text(Point at, std::string_view utf8, Color color, Font font, Align al
   if (align == Align::center) at.x -= text_width(utf8, font) / 2;
   if (align == Align::right) at.x -= text_width(utf8, font);
   const auto put = [&](Point pixel, Color ink) {
-    list_->AddText(face, size, pixels(pixel), packed(ink), utf8.data(), utf8.data() + utf8.size());
+    for (const Run& run : runs_of(utf8)) {
+      const float height = run.subscript ? subscript_size * size : size;
+      const Point low{0, run.subscript ? std::round(0.45 * size) : 0.0};
+      list_->AddText(face, height, pixels(pixel + low), packed(ink), run.text.data(),
+                     run.text.data() + run.text.size());
+      pixel.x += std::round(width_of(face, height, run.text));
+    }
   };
   // Whole pixels keep the glyphs as sharp as they were made.
   const Point corner{std::round(at.x * scale_), std::round(at.y * scale_ - size / 2)};
@@ -313,8 +355,10 @@ void Pen::text(Point at, std::string_view utf8, Color color, Font font, Align al
 
 double Pen::text_width(std::string_view utf8, Font font) const {
   const float size = font_pixels(index(font), scale_);
-  const char *begin = utf8.data(), *end = begin + utf8.size();
-  return fonts_[index(font)]->CalcTextSizeA(size, FLT_MAX, 0, begin, end).x / scale_;
+  double width = 0;
+  for (const Run& run : runs_of(utf8))
+    width += width_of(fonts_[index(font)], run.subscript ? subscript_size * size : size, run.text);
+  return width / scale_;
 }
 
 double Pen::line_height(Font font) { return font_heights[index(font)]; }

@@ -60,7 +60,7 @@ class Pen {
   void arrow(Point from, Point to, Color color, double thickness = 2.2);
 
   /// `at` is the vertical middle of the line of text. `halo`: outlined in the colour of the paper,
-  /// to be readable over lines.
+  /// to be readable over lines. In "k_d" and the like the `d` is a subscript.
   void text(Point at, std::string_view utf8, Color color, Font font = Font::text,
             Align align = Align::left, bool halo = false);
   double text_width(std::string_view utf8, Font font = Font::text) const;

@@ -41,8 +41,8 @@ void draw_jacobian(draw::Pen& pen, const draw::Rect& area, const Jacobian& J) {
       std::min(100.0, (area.width - left - gap * static_cast<double>(J.things.size())) /
                           static_cast<double>(columns));
   const double height =
-      std::min(72.0, (area.height - head - gap * static_cast<double>(J.joints.size())) /
-                         static_cast<double>(rows));
+      std::min(120.0, (area.height - head - gap * static_cast<double>(J.joints.size())) /
+                          static_cast<double>(rows));
   const auto along = [gap = gap](std::size_t cells, std::size_t groups, double size) {
     return static_cast<double>(cells) * size + static_cast<double>(groups) * gap;
   };

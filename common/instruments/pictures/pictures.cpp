@@ -176,6 +176,9 @@ Picture drift_picture(std::string name, const std::string& title, const std::str
               }
               draw::Curve curve{.thickness = 2.0, .markers = true, .mark_every = 50};
               set_look(curve, pen.theme(), drifts[i].label, i);
+              for (const draw::Curve& other : left.curves)  // the same method with other gains
+                if (*other.marker == *curve.marker && other.dash == curve.dash)
+                  curve.marker = *curve.marker + 2;
               draw::draw_sample(pen, {x, y}, curve, *curve.color, *curve.marker);
               pen.text({x + 36.0, y}, drifts[i].label, pen.theme().ink);
               x += width;
