@@ -1,6 +1,6 @@
 // Keeps what the documents show in step with what the sources say and the programs print.
 //
-//   documents [--check | --numbers | --commands] SOURCE BIN [PAGE...]
+//   documents [--check | --numbers | --commands | --times] SOURCE BIN [PAGE...]
 //
 // The pages are files in SOURCE; without any, all of README.md, docs and chapters.
 //
@@ -23,7 +23,8 @@
 // and each link without a target is named, and the exit status is 1. With --numbers each paragraph
 // is named instead that has such numbers and neither of these two comments, and the exit status
 // is 1. With --commands the commands that the documents show in indented lines, and those of
-// build/bin in the text, are run instead.
+// build/bin in the text, are run instead; with --times the reports of the tables are measured again
+// and their times compared with the saved, within the noise of a busy machine.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -416,17 +417,57 @@ int check_commands(const std::vector<fs::path>& pages, const fs::path& bin) {
   return faults;
 }
 
+/// Measures the reports of the pages' tables again. Returns how many times differ from the saved by
+/// more than a busy machine explains; on another processor they only are shown.
+int check_times(const std::vector<fs::path>& pages) {
+  constexpr double busy = 2.0;  // docs/error_against_run_time.md, "Noise"
+  static const std::regex marker(R"(<!-- report: chapters/(\w+)/snapshots/error_vs_time.csv -->)");
+  const fs::path folder = fs::temp_directory_path() / fmt::format("documents_{}", getpid());
+  std::map<std::string, fs::path> chapters;  // and the page with its table
+  std::smatch match;
+  for (const fs::path& page : pages)
+    for (const std::string& line : lines_of(page))
+      if (std::regex_match(line, match, marker)) chapters.emplace(match[1], page);
+  int faults = 0;
+  for (const auto& [chapter, page] : chapters) {
+    output(fmt::format("{} report --out {}", chapter, folder.string()));
+    const std::string name = "error_vs_time.csv";
+    const auto saved = measure::read_csv(fs::path("chapters") / chapter / "snapshots" / name);
+    const auto fresh = measure::read_csv(folder / name);
+    const bool alike = saved.machine == fresh.machine;
+    double least = 1e300, most = 0;
+    for (const std::string& method : measure::methods(saved))
+      for (const double level : measure::error_levels) {
+        const double was = measure::time_to_reach(saved, method, level);
+        const double ratio = measure::time_to_reach(fresh, method, level) / was;
+        if (!std::isfinite(was)) continue;
+        least = std::min(least, ratio);
+        most = std::max(most, ratio);
+        if (!alike || (ratio < busy && ratio > 1 / busy)) continue;
+        ++faults;
+        fmt::print("{}: {} below {:g}: {:.2f} times the saved time\n", page.string(), method, level,
+                   ratio);
+      }
+    fmt::print("{}: {:.2f} to {:.2f} of the saved times{}\n", chapter, least, most,
+               alike ? "" : ", which are another machine's or compiler's");
+    std::fflush(stdout);
+  }
+  fs::remove_all(folder);
+  return faults;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
   std::vector<std::string> arguments(argv + 1, argv + argc);
   const std::string option = arguments.empty() ? "" : arguments[0];
   const bool check = option == "--check", numbers = option == "--numbers";
-  const bool commands = option == "--commands";
-  if (check || numbers || commands) arguments.erase(arguments.begin());
+  const bool commands = option == "--commands", times = option == "--times";
+  if (check || numbers || commands || times) arguments.erase(arguments.begin());
   if (arguments.size() < 2 || arguments[0].starts_with('-')) {
-    fmt::print(stderr,
-               "usage: documents [--check | --numbers | --commands] SOURCE BIN [PAGE...]\n");
+    fmt::print(
+        stderr,
+        "usage: documents [--check | --numbers | --commands | --times] SOURCE BIN [PAGE...]\n");
     return 2;
   }
   const fs::path bin = fs::absolute(arguments[1]);
@@ -435,6 +476,7 @@ int main(int argc, char** argv) try {
   std::vector<fs::path> pages(arguments.begin() + 2, arguments.end());
   if (pages.empty()) pages = all_documents();
   if (commands) return check_commands(pages, bin) == 0 ? 0 : 1;
+  if (times) return check_times(pages) == 0 ? 0 : 1;
   bool differs = false;
   for (const fs::path& file : pages) {
     std::vector<std::string> complaints;

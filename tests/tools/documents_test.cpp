@@ -115,3 +115,23 @@ TEST_CASE("a command that the documents show and that does not run is a fault") 
   copy.replace("README.md", "bin/program wrong", "bin/pragram right");
   CHECK(copy.documents("--commands") == 1);
 }
+
+TEST_CASE("times of a table that a new measurement does not find again are named") {
+  const Copy copy;
+  const std::string saved = "chapters/one/snapshots/error_vs_time.csv";
+  fs::create_directories((copy.folder / saved).parent_path());
+  copy.write(saved, copy.read("report.csv"));
+  copy.write("docs/more.md", "# More\n\n## Some part\n\n<!-- report: " + saved + " -->\n");
+  const auto measured =
+      [&](const std::string& change) {  // by a program that was so many times slower
+        copy.write("bin/one",
+                   "#!/bin/sh\nmkdir -p \"$3\"\nawk -F, -v OFS=, '/^[a-z]/ && !/^method/ { " +
+                       change + " } 1' " + saved + " > \"$3/error_vs_time.csv\"\n");
+        fs::permissions(copy.folder / "bin/one", fs::perms::owner_all);
+        return copy.documents("--times");
+      };
+  CHECK(measured("$7 *= 1.5") == 0);
+  CHECK(measured("$7 *= 2.5") == 1);
+  CHECK(measured("$7 *= 0.4") == 1);
+  CHECK(measured("if ($1 == \"rk4\") $7 *= 2.5") == 1);
+}
