@@ -34,19 +34,25 @@ double progress_after(std::size_t done, std::size_t all) {
   return ahead_part + (1.0 - ahead_part) * static_cast<double>(done) / static_cast<double>(all);
 }
 
-/// A stage whose view and whose arrows hold for all of its way up to `end`, which is run ahead, and
-/// whose trail reaches back to its start.
-std::unique_ptr<pictures::Stage> stage_up_to(double end, const Chapter& chapter,
-                                             measure::RunOptions run, files::Progress& progress) {
-  if (end > 0.0) run.duration = end;
-  std::unique_ptr<pictures::Stage> stage = chapter.stage(run);
-  const auto ahead = chapter.stage(run);
+/// A stage that has run to `end`: its view and its arrows' scale hold for all of the way.
+std::unique_ptr<pictures::Stage> run_ahead(double end, const Chapter& chapter,
+                                           const measure::RunOptions& run,
+                                           files::Progress& progress) {
+  std::unique_ptr<pictures::Stage> ahead = chapter.stage(run);
   constexpr int parts = 100;
   for (int i = 1; i <= parts; ++i) {
     progress.show(ahead_part * i / parts, "simulated ahead");
     ahead->advance_to(end * i / parts);
   }
-  stage->show_as(*ahead);
+  return ahead;
+}
+
+/// A stage to be shown up to `end`, whose trail reaches back to its start.
+std::unique_ptr<pictures::Stage> stage_up_to(double end, const Chapter& chapter,
+                                             measure::RunOptions run, files::Progress& progress) {
+  if (end > 0.0) run.duration = end;
+  std::unique_ptr<pictures::Stage> stage = chapter.stage(run);
+  stage->show_as(*run_ahead(end, chapter, run, progress));
   return stage;
 }
 
@@ -94,7 +100,7 @@ void draw_sheet(draw::Pen& pen, pictures::Stage& stage, const Snapshot& snapshot
                                               {scene.left, scene.bottom()}}};
     pen.polygon(corners, draw::transparent, pen.theme().grid, 1.0);
     stage.draw(pen, scene.inset(1.0), {.numbers = false});
-    pen.text({cell.center().x, cell.bottom() - line / 2}, fmt::format("{:.4g} s", stage.time()),
+    pen.text({cell.center().x, cell.bottom() - line / 2}, fmt::format("{:.3g} s", stage.time()),
              pen.theme().muted, draw::Font::small, draw::Align::center);
   }
 }
@@ -175,13 +181,16 @@ void take(const Snapshot& snapshot, const Chapter& chapter, const measure::RunOp
   files::Progress progress;
   std::vector<pictures::Picture> pictures;
   if (snapshot.at.empty()) pictures = chapter.pictures(run);
+  std::unique_ptr<pictures::Stage> ahead;
   for (const double t : snapshot.at) {
-    progress.show(
-        0.5 * static_cast<double>(pictures.size()) / static_cast<double>(snapshot.at.size()),
-        fmt::format("simulated to {:g} s", t));
     measure::RunOptions longer = run;
-    longer.duration = std::max(run.duration, t);
-    pictures.push_back(picture_at(chapter.stage(longer), t, show));
+    longer.duration = std::max(run.duration, snapshot.at.back());
+    if (!ahead) ahead = run_ahead(snapshot.at.back(), chapter, longer, progress);
+    progress.show(progress_after(pictures.size(), 2 * snapshot.at.size()),
+                  fmt::format("simulated to {:g} s", t));
+    std::unique_ptr<pictures::Stage> stage = chapter.stage(longer);
+    stage->show_as(*ahead);
+    pictures.push_back(picture_at(std::move(stage), t, show));
   }
   double done = 0.0;
   for (const pictures::Picture& picture : pictures) {

@@ -68,7 +68,7 @@ Picture error_picture(const measure::Report& report) {
   double least = 1e300;
   for (const std::string& method : measure::methods(report)) {
     draw::Curve curve;
-    curve.label = method == "rk4" ? "rk4 (the article's choice)" : method;
+    curve.label = method;
     curve.markers = true;
     names.push_back(method);
     curve.thickness = method == "rk4" ? 2.6 : 1.6;

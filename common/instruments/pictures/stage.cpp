@@ -225,7 +225,9 @@ void draw_page(draw::Pen& pen, Stage& stage, const Show& show) {
     caption += fmt::format(" Far from right: {}.", verdict.words());
   else if (!show.else_say.empty())
     caption.append(" ").append(show.else_say);
-  stage.draw(pen, draw::page(pen, stage.title(), caption), show);
+  std::string title = stage.title();
+  if (!pen.shows_caption()) title += fmt::format(", t = {:.3f} s", stage.time());
+  stage.draw(pen, draw::page(pen, title, caption), show);
 }
 
 Picture beside(std::string name, std::string title, std::unique_ptr<Stage> left,
