@@ -157,8 +157,8 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
           canvas.label(point(at), text, color, draw::Font::bold, align, offset);
         };
         name({-0.2, -0.2}, "wheel", {0, 0}, draw::Align::center, theme.ink);
-        name(0.65 * start.crank_pin + 0.35 * start.slider.x,
-             fmt::format("rod, L = {:g} m", scene.rod).c_str(), {0, -24}, draw::Align::left,
+        name(0.5 * (start.crank_pin + start.slider.x),
+             fmt::format("rod, L = {:g} m", scene.rod).c_str(), {-6, -30}, draw::Align::right,
              theme.ink);
         name(0.5 * start.crank_pin, fmt::format("crank, R = {:g} m", scene.crank).c_str(), {-12, 8},
              draw::Align::right, theme.ink);
