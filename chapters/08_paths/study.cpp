@@ -167,6 +167,7 @@ measure::Start start(const Scene& scene) {
 
 Wire as_energy_sees(const paths::Path& path) {
   return {.depth = [path](double q) { return path(q).x.y(); },
+          .slope = [path](double q) { return path(q).d.y(); },
           .stretch = [path](double q) { return path(q).d.norm(); },
           .first = path.first,
           .last = path.last,
@@ -328,20 +329,14 @@ int study(int argc, char** argv) {
   chapter.directory = "08_paths";
   chapter.title = "Any wire";
 
-  const app::Range length{1e-6, 1e6};
   chapter.parameters = {
       {"--q0", "", "start, by the path's parameter", &scene.q0, app::any},
       {"--speed", "m/s", "speed at the start, along growing q", &scene.speed, {-1e6, 1e6}},
       {"--mass", "kg", "mass of the particle", &scene.mass, app::positive, app::acts},
       {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, {0.0, 1e9}},
-      {"--radius", "m", "circle, cycloid: radius", &scene.radius, length},
-      {"--r0", "m", "spiral: radius at q = 0", &scene.r0, {0.0, 1e6}},
-      {"--r1", "m", "spiral: radius at q = 1", &scene.r1, {0.0, 1e6}},
-      {"--turns", "rad", "spiral: its whole angle", &scene.turns, {-1e4, 1e4}},
-      {"--span", "m", "sine: width", &scene.span, length},
-      {"--amplitude", "m", "sine: amplitude", &scene.amplitude, {-1e6, 1e6}},
-      {"--waves", "", "sine: number of waves", &scene.waves, {0.0, 1e3}},
   };
+  for (const Number& n : numbers())
+    chapter.parameters.push_back({n.option, n.unit, n.help, &(scene.*n.place), n.allowed});
   chapter.texts = {
       {"--path", "NAME", "the wire; the defaults of the others are its own", &scene.path, names},
       {"--by", "NAME", "what the bead is described by", &scene.by, {"parameter", "length"}},
@@ -355,6 +350,12 @@ int study(int argc, char** argv) {
   chapter.defaults = {.duration = chosen.duration, .step = 0.005};
   chapter.has_constraints = false;
   chapter.fastest = [&scene] { return fastest(scene); };
+  chapter.cure = [&scene]() -> app::Cure {
+    if (scene.by_length()) return {};
+    const Parameter parameter = parameter_of(path_of(scene));
+    if (parameter == Parameter::good) return {};
+    return {.option = "--by length", .alone = parameter == Parameter::wrong};
+  };
   chapter.start = [&scene](const Method& method) { return start(scene)(method); };
 
   chapter.quantities = {{"position", "m"}, {"speed", "m/s"}};

@@ -29,7 +29,8 @@ class ByLength {
     if (!std::isfinite(size_)) throw std::invalid_argument("path: its length is not finite");
     known_.push_back({path_.first, 0.0});
     for (std::size_t i = 1; i < ends.size(); ++i) add(ends[i - 1], ends[i]);
-    for (const double q : ends) (void)tangent(q);
+    for (const double q : ends)
+      for (const bool behind : {false, true}) (void)tangent(q, behind);
     last_ = path_.first;
   }
 
@@ -68,16 +69,17 @@ class ByLength {
   }
   // [invert]
 
-  /// The unit tangent, along growing q; where x′ = 0, as at a cusp, that of the way on, at the end
-  /// of an open path that of the way there. Throws std::invalid_argument where there is none.
-  Vector2d tangent(double q) const {
-    const Place place = path_(q);
+  /// The unit tangent, along growing q, of the way on; behind: of the way there, as at the end of
+  /// an open path. Where x′ = 0, as at a cusp, x″ tells. Throws std::invalid_argument where there
+  /// is none.
+  Vector2d tangent(double q, bool behind = false) const {
+    const Place place = behind ? path_.behind(q) : path_(q);
     const double speed = place.d.norm(), usual = size_ / (path_.last - path_.first);
     if (speed > 1e-12 * usual) return place.d / speed;
     if (!(place.dd.norm() > 1e-12 * usual))
       throw std::invalid_argument("path: no tangent at q = " + number(q) + ", where x' and x'' " +
                                   "are zero");
-    return (q < path_.last || path_.closed ? 1.0 : -1.0) * place.dd.normalized();
+    return (behind || (q >= path_.last && !path_.closed) ? -1.0 : 1.0) * place.dd.normalized();
   }
 
  private:
