@@ -187,9 +187,11 @@ TEST_CASE("RK4 converges with its order on smooth wires, by parameter and by len
 
 TEST_CASE("how smooth a wire is decides the order, which is one more by length") {
   const std::vector<Order> found = orders();
-  const double expected[] = {2, 3, 1, 2, 0, 1};  // C2, C1, linear: by parameter, by length
-  REQUIRE(found.size() == 6);
-  for (std::size_t i = 0; i < 6; ++i) {
+  // C2, C1, linear: by parameter, by length; C1 also with steps that end at the knots, as if there
+  // were none.
+  const double expected[] = {2, 3, 1, 2, 4, 0, 1};
+  REQUIRE(found.size() == 7);
+  for (std::size_t i = 0; i < 7; ++i) {
     INFO(found[i].wire << " by " << found[i].by);
     CHECK(found[i].order == Approx(expected[i]).margin(0.4));
   }
@@ -246,8 +248,17 @@ TEST_CASE(
   scene.speed = 1;
   CHECK(after(scene, 2.0, 2000).speed == 1.0);
   CHECK(after(scene, 2.0, 2000).q == Approx(1.5).epsilon(1e-12));
+  // The impulse of the corner on 1 kg, from v before and behind it: 2 m v sin(α/2).
+  const auto impulse = [&] {
+    const auto bead = start(scene)({});
+    bead->advance(1500, 0.001);
+    const std::vector<double> state = bead->row().state;
+    return std::hypot(state[4] - 1, state[5]);
+  };
+  CHECK(impulse() == Approx(0.591040413322679).epsilon(1e-12));
   scene.by = "parameter";
   CHECK(after(scene, 1.5, 1500).speed == Approx(2.0).epsilon(1e-5));
+  CHECK(impulse() == Approx(std::sqrt(5 - 4 * std::cos(0.6))).epsilon(1e-5));
 }
 
 TEST_CASE("x' = 0 stops the parameter, with its place, and not the length") {
