@@ -77,7 +77,7 @@ class ByLength {
     const double speed = place.d.norm(), usual = size_ / (path_.last - path_.first);
     if (speed > 1e-12 * usual) return place.d / speed;
     if (!(place.dd.norm() > 1e-12 * usual))
-      throw std::invalid_argument("path: no tangent at q = " + number(q) + ", where x' and x'' " +
+      throw std::invalid_argument("path: no tangent at q = " + in_words(q) + ", where x' and x'' " +
                                   "are zero");
     return (behind || (q >= path_.last && !path_.closed) ? -1.0 : 1.0) * place.dd.normalized();
   }
@@ -87,12 +87,6 @@ class ByLength {
     double q, s;
   };
   static constexpr double rounding = 2.0 * std::numeric_limits<double>::epsilon();
-
-  static std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
-  }
 
   /// ∫ |x′| dq on a piece without knots.
   double integral(double from, double to) const {
@@ -119,8 +113,8 @@ class ByLength {
     } else if (parts > 0.0) {
       known_.push_back({to, known_.back().s + parts});
     } else {
-      throw std::invalid_argument("path: no length between q = " + number(from) + " and " +
-                                  number(to));
+      throw std::invalid_argument("path: no length between q = " + in_words(from) + " and " +
+                                  in_words(to));
     }
   }
 

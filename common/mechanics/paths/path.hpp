@@ -58,44 +58,38 @@ inline bool meet(const Vector2d& a, const Vector2d& b, double extent) {
   return (a - b).norm() <= 1e-9 * extent + 1e-15 * a.norm();
 }
 
-/// Two points in as many digits as tell them apart.
-inline std::string in_words(const Vector2d& a, const Vector2d& b) {
-  std::string one, other;
-  for (int digits = 6; one == other && digits < 18; ++digits)
-    for (auto [text, x] : {std::pair(&one, a), {&other, b}}) {
-      char point[64];
-      std::snprintf(point, sizeof point, "(%.*g, %.*g)", digits, x.x(), digits, x.y());
-      *text = point;
-    }
-  return one + (one == other ? "" : ", " + other);
+inline std::string in_words(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.15g", value);
+  return text;
+}
+inline std::string in_words(const Vector2d& x) {
+  return std::string("(").append(in_words(x.x())).append(", ").append(in_words(x.y())).append(")");
 }
 
-/// For the functions below: so many points, which are not all one.
+/// For the functions below: so many points, not all one and, where pieces would have no length
+/// else, no two in a row.
 inline void check(const std::string& name, const Points& points, std::size_t least,
-                  std::size_t most = 10000) {
+                  std::size_t most = 10000, bool apart = false) {
+  const auto refuse = [](const std::string& what) {
+    throw std::invalid_argument("points: " + what);
+  };
   if (points.size() < least || points.size() > most)
-    throw std::invalid_argument("points: a " + name + " needs " + std::to_string(least) +
-                                (least == most ? "" : " to " + std::to_string(most)) + ", not " +
-                                std::to_string(points.size()));
-  if (!(extent(points) > 0.0))
-    throw std::invalid_argument("points: all of a " + name + " are " +
-                                in_words(points[0], points[0]));
-}
-/// For those of pieces that have no length where two points in a row are the same.
-inline void check_apart(const std::string& name, const Points& points) {
-  check(name, points, 2);
+    refuse("a " + name + " needs " + std::to_string(least) +
+           (least == most ? "" : " to " + std::to_string(most)) + ", not " +
+           std::to_string(points.size()));
   const double size = extent(points);
-  for (std::size_t i = 1; i < points.size(); ++i)
+  if (!(size > 0.0)) refuse("all of a " + name + " are " + in_words(points[0]));
+  for (std::size_t i = 1; apart && i < points.size(); ++i)
     if (meet(points[i - 1], points[i], size))
-      throw std::invalid_argument("points: two in a row of a " + name + " are " +
-                                  in_words(points[i - 1], points[i]) +
-                                  ", and a piece without length has no tangent");
+      refuse("two in a row of a " + name + " are " + in_words(points[i - 1]) + ", " +
+             in_words(points[i]) + ", and a piece without length has no tangent");
 }
 
 // [simple]
 /// From one point to another, q from 0 to 1.
 inline Path line(const Vector2d& a, const Vector2d& b) {
-  check_apart("line", {a, b});
+  check("line", {a, b}, 2);
   return {[=](double q) { return Place{a + q * (b - a), b - a, Vector2d::Zero()}; }, 0.0, 1.0};
 }
 
@@ -191,7 +185,7 @@ Path spline(const Points& p, Segment segment) {
 }
 
 inline Path linear_spline(const Points& p) {
-  check_apart("linear_spline", p);
+  check("linear_spline", p, 2, 10000, true);
   return spline(p, [=](std::size_t i, double u) {
     return Place{p[i] + u * (p[i + 1] - p[i]), p[i + 1] - p[i], Vector2d::Zero()};
   });
@@ -199,7 +193,7 @@ inline Path linear_spline(const Points& p) {
 
 /// x grows as on a line, y as half a cosine.
 inline Path cosine_spline(const Points& p) {
-  check_apart("cosine_spline", p);
+  check("cosine_spline", p, 2, 10000, true);
   return spline(p, [=](std::size_t i, double u) {
     constexpr double pi = std::numbers::pi;
     const Vector2d way = p[i + 1] - p[i];
@@ -225,7 +219,7 @@ inline Path hermite_spline(const Points& p, const Points& tangents) {
 /// At each point as steep as from the point before to the one after; the ends stand in for what
 /// lies beyond them.
 inline Path catmull_rom(const Points& p) {
-  check_apart("catmull_rom", p);
+  check("catmull_rom", p, 2, 10000, true);
   Points tangents;
   for (std::size_t i = 0; i < p.size(); ++i)
     tangents.push_back((p[std::min(i + 1, p.size() - 1)] - p[i == 0 ? 0 : i - 1]) / 2);
@@ -273,8 +267,8 @@ inline Path sequence(const std::vector<Piece>& pieces) {
                      begin = path.formula(path.first).x;
       if (!meet(end, begin, size))
         throw std::invalid_argument("sequence: pieces " + std::to_string(i) + " and " +
-                                    std::to_string(i + 1) +
-                                    " do not meet: " + in_words(end, begin));
+                                    std::to_string(i + 1) + " do not meet: " + in_words(end) +
+                                    ", " + in_words(begin));
       whole.knots.push_back(cues[i]);
     }
     for (const double knot : path.knots)
