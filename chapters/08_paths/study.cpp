@@ -229,7 +229,7 @@ std::vector<Order> orders() {
   Scene smooth = scene_of("hermite_spline", "parameter");
   smooth.tangents = smooth_tangents(points_of("points", smooth.points));
   std::vector<Order> orders;
-  const std::string by_knots = "length, to knots";
+  const std::string by_knots = "length to knots";
   for (const auto& [name, scene] :
        {std::pair{"C2 spline", smooth}, std::pair{"Catmull-Rom (C1)", preset("catmull_rom").scene},
         std::pair{"linear spline", preset("linear_spline").scene}})

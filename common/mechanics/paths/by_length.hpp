@@ -44,7 +44,6 @@ class ByLength {
     return turns * length() + known_[i].s + integral(known_[i].q, q);
   }
 
-  // [invert]
   /// The q at which the length is s. Beyond an open end as if it went on with the same |x′|.
   double q(double s) const {
     const double turns = path_.closed ? std::floor(s / length()) : 0.0;
@@ -56,6 +55,7 @@ class ByLength {
     if (s < 0.0 || s > s_high)
       q = beyond(s);
     else
+      // [invert]
       for (int step = 0; step < 100; ++step) {
         const double excess = s_low + integral(low, q) - s;
         if (std::abs(excess) <= rounding * s) break;
@@ -64,10 +64,10 @@ class ByLength {
         if (!(q > a && q < b)) q = a + (b - a) / 2;
         if (q == a || q == b) break;
       }
+    // [invert]
     last_ = q;
     return q + turns * (path_.last - path_.first);
   }
-  // [invert]
 
   /// The unit tangent, along growing q, of the way on; behind: of the way there, as at the end of
   /// an open path. Where x′ = 0, as at a cusp, x″ tells. Throws std::invalid_argument where there

@@ -86,13 +86,13 @@ inline void check(const std::string& name, const Points& points, std::size_t lea
              in_words(points[i]) + ", and a piece without length has no tangent");
 }
 
-// [simple]
 /// From one point to another, q from 0 to 1.
 inline Path line(const Vector2d& a, const Vector2d& b) {
   check("line", {a, b}, 2);
   return {[=](double q) { return Place{a + q * (b - a), b - a, Vector2d::Zero()}; }, 0.0, 1.0};
 }
 
+// [simple]
 /// About the origin, lowest at q = 0; q is the angle.
 inline Path circle(double R) {
   const auto formula = [=](double q) {
