@@ -183,7 +183,7 @@ class BeadByParameter : public BeadOnWire<BeadByParameter> {
   // [by_parameter]
   void acceleration(double t, double q, double qdot, double& qddot) const {
     const auto [x, d, dd] = place({q, qdot});
-    if (vanishes(d.norm())) no_equation(t, q);
+    if (d.allFinite() && vanishes(d.norm())) no_equation(t, q);
     qddot = (d.dot(force(x, qdot * d)) / mass_ - d.dot(dd) * qdot * qdot) / d.squaredNorm();
     if (on({q, qdot}) == On::none) qddot = 0.0;
   }

@@ -359,11 +359,22 @@ TEST_CASE("a start beside a cusp is integrated or said to be too close, by param
         "energy does not reach");
 }
 
+TEST_CASE("an adaptive run starts beside a cusp, where its first step is far too long") {
+  Scene scene = scene_of("cycloid");
+  scene.q0 = 3.14159;
+  const auto bead = start(scene)({.integrator = integrators::Scheme::dop853, .tolerance = 1e-9});
+  bead->advance(50, 0.1);
+  CHECK(bead->row().state[0] == Approx(on_cycloid(1, 9.81, {scene.q0, 0}, 5.0)->q).margin(1e-8));
+}
+
 TEST_CASE("where the speed jumps with the parameter, and where it is only a poor coordinate") {
   const auto kind = [](const char* path) { return parameter_of(path_of(scene_of(path))); };
   CHECK(kind("linear_spline") == Parameter::wrong);
   CHECK(kind("sequence") == Parameter::wrong);
   for (const char* path : {"cycloid", "catmull_rom"}) CHECK(kind(path) == Parameter::poor);
+  Scene closed = scene_of("catmull_rom");
+  closed.points = "0,0 1,0 1,1 0,0";
+  CHECK(parameter_of(path_of(closed)) == Parameter::wrong);
   for (const char* path : {"circle", "line", "spiral"}) CHECK(kind(path) == Parameter::good);
 }
 

@@ -245,7 +245,9 @@ paths::ByLength wire_of(const Scene& scene) {
 Parameter parameter_of(const Path& path) {
   const auto stretch = [&](double q) { return path(q).d.norm(); };
   const double little = 1e-9 * (path.last - path.first);
-  for (const double knot : path.knots)
+  std::vector<double> knots = path.knots;
+  if (path.closed) knots.push_back(path.last);
+  for (const double knot : knots)
     if (const double behind = stretch(knot - little);
         std::abs(stretch(knot + little) - behind) > 1e-3 * behind)
       return Parameter::wrong;
