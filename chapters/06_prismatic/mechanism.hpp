@@ -65,9 +65,13 @@ mechanics::Mechanism make_spin(const Scene& scene, const mechanics::Method& meth
 }
 // [spin]
 
-/// std::invalid_argument for what acts along the fixed rail only, on one that spins.
+/// std::invalid_argument for what acts along the fixed rail only, on one that spins, and for the
+/// reverse.
 inline mechanics::Mechanism make_mechanism(const Scene& scene,
                                            const mechanics::Method& method = {}) {
+  if (!scene.spins() && scene.without_coriolis)
+    throw std::invalid_argument(
+        "--without coriolis: allowed only with --spin; on a fixed rail that term is zero");
   if (!scene.spins()) return make_incline(scene, method);
   for (const auto& [option, value] : {std::pair{"stiffness", scene.stiffness},
                                       {"damping", scene.damping},

@@ -27,42 +27,44 @@ std::function<double()> angle(const Scene& scene, const Method& method, long ste
       steps, h);
 }
 
-measure::Start scene_in(const measure::Units& units) {
-  Scene there{.theta0 = 1.0, .omega0 = 3.0};
-  measure::scale(
-      {&there.crank, &there.rod, &there.wheel_radius, &there.slider_width, &there.slider_height},
-      units.length);
-  measure::scale({&there.wheel_mass, &there.rod_mass, &there.slider_mass, &there.frame_mass},
-                 units.mass);
-  there.frame_inertia *= units.inertia();
-  there.torque *= units.moment();
-  there.gravity *= units.acceleration();
-  there.omega0 /= units.time;
-  return of(there);
+std::size_t find(const std::vector<std::string>& names, const std::string& name) {
+  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
 }  // namespace
+
+Scene in_units(Scene scene, const measure::Units& units) {
+  measure::scale(
+      {&scene.crank, &scene.rod, &scene.wheel_radius, &scene.slider_width, &scene.slider_height},
+      units.length);
+  measure::scale({&scene.wheel_mass, &scene.rod_mass, &scene.slider_mass, &scene.frame_mass},
+                 units.mass);
+  scene.frame_inertia *= units.inertia();
+  scene.torque *= units.moment();
+  scene.gravity *= units.acceleration();
+  scene.omega0 /= units.time;
+  return scene;
+}
+
+double force_error(const mechanics::Columns& columns, const mechanics::Row& row,
+                   const Reactions& truth) {
+  const auto off = [&](const std::string& joint, const auto& exact) {
+    const std::size_t i = find(columns.reactions, joint + ".fx");
+    return (Eigen::Vector2d(row.reactions[i], row.reactions[i + 1]) - exact).squaredNorm();
+  };
+  return std::sqrt(off("wheel_frame", truth.wheel_frame) + off("rod_wheel", truth.rod_wheel) +
+                   off("slider_rod", truth.slider_rod) + off("slider_frame", truth.slider_frame));
+}
 
 std::vector<double> errors(const Scene& scene, const mechanics::Columns& columns,
                            const mechanics::Row& row) {
   const auto state = Exact(scene).at(row.t);
   if (!state) return {};
-  const Reactions truth = reactions(scene, *state);
-  const auto find = [](const std::vector<std::string>& names, const std::string& name) {
-    return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-  };
-  const auto force = [&](const std::string& joint) {
-    const std::size_t i = find(columns.reactions, joint + ".fx");
-    return Eigen::Vector2d(row.reactions[i], row.reactions[i + 1]);
-  };
-  const double squares = (force("wheel_frame") - truth.wheel_frame).squaredNorm() +
-                         (force("rod_wheel") - truth.rod_wheel).squaredNorm() +
-                         (force("slider_rod") - truth.slider_rod).squaredNorm() +
-                         (force("slider_frame") - truth.slider_frame).squaredNorm();
   const Real theta = row.state[find(columns.state, "wheel.theta")];
   const Real omega = row.state[find(columns.state, "wheel.omega")];
   return {static_cast<double>(std::abs(theta - state->theta)),
-          static_cast<double>(std::abs(omega - state->omega)), std::sqrt(squares)};
+          static_cast<double>(std::abs(omega - state->omega)),
+          force_error(columns, row, reactions(scene, *state))};
 }
 
 measure::Stability stability() {
@@ -146,6 +148,9 @@ measure::Stability stability() {
        energy_error(of({}), {Scheme::explicit_euler, Stabilization::projection}, 200, 0.2)},
   };
   // [cases]
+  const auto scene_in = [](const Units& units) {
+    return of(in_units({.theta0 = 1.0, .omega0 = 3.0}, units));
+  };
   stability.add_units(scene_in, {rk4, projected, feedback(625, 50), midpoint, adaptive}, 100, 1e-3);
 
   stability.add_feedback(of({}), {.step = 1e-4, .nudge = 1e-3});
@@ -163,32 +168,38 @@ measure::Stability stability() {
   return stability;
 }
 
+std::vector<app::Parameter> machine_parameters(Scene& scene) {
+  return {
+      {"--crank", "m", "from the wheel's centre to the crank pin", &scene.crank, app::positive},
+      {"--rod", "m", "length of the rod, at least the crank", &scene.rod, app::positive},
+      {"--theta0", "rad", "angle of the crank at the start", &scene.theta0, {-1e6, 1e6}},
+      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, app::not_negative, app::acts},
+      {"--wheel-mass", "kg", "mass of the wheel", &scene.wheel_mass, app::positive, app::acts},
+      {"--rod-mass", "kg", "mass of the rod", &scene.rod_mass, app::positive, app::acts},
+      {"--slider-mass", "kg", "mass of the slider", &scene.slider_mass, app::positive, app::acts},
+  };
+}
+
 int study(int argc, char** argv) {
   Scene scene;
   app::Chapter chapter;
   chapter.directory = "07_slider_crank";
   chapter.title = "Slider-crank";
 
-  const app::Range angle{-1e6, 1e6};
-  chapter.parameters = {
-      {"--crank", "m", "from the wheel's centre to the crank pin", &scene.crank, app::positive},
-      {"--rod", "m", "length of the rod, at least the crank", &scene.rod, app::positive},
-      {"--torque", "N·m", "on the wheel, from outside; 0 switches it off", &scene.torque, app::any,
-       app::acts | app::switchable},
-      {"--theta0", "rad", "angle of the crank at the start", &scene.theta0, angle},
-      {"--omega0", "rad/s", "its rate at the start", &scene.omega0, app::any},
-      {"--gravity", "m/s²", "gravity, downwards", &scene.gravity, app::not_negative, app::acts},
-      {"--wheel-mass", "kg", "mass of the wheel", &scene.wheel_mass, app::positive, app::acts},
-      {"--rod-mass", "kg", "mass of the rod", &scene.rod_mass, app::positive, app::acts},
-      {"--slider-mass", "kg", "mass of the slider", &scene.slider_mass, app::positive, app::acts},
-      {"--without=jdotv", "", "what the joints of turning bodies need beside J a",
-       &scene.without_jdotv, app::on_or_off, app::acts},
-      {"--simulate-frame",
-       "",
-       "1: the frame is a body held by a ground joint; 0: left out",
-       &scene.simulate_frame,
-       {0.0, 1.0}},
+  chapter.parameters = machine_parameters(scene);
+  const auto add = [&](std::ptrdiff_t at, const app::Parameter& parameter) {
+    chapter.parameters.insert(chapter.parameters.begin() + at, parameter);
   };
+  add(2, {"--torque", "N·m", "on the wheel, from outside; 0 switches it off", &scene.torque,
+          app::any, app::acts | app::switchable});
+  add(4, {"--omega0", "rad/s", "its rate at the start", &scene.omega0, app::any});
+  add(9, {"--without=jdotv", "", "what the joints of turning bodies need beside J a",
+          &scene.without_jdotv, app::on_or_off, app::acts});
+  add(10, {"--simulate-frame",
+           "",
+           "1: the frame is a body held by a ground joint; 0: left out",
+           &scene.simulate_frame,
+           {0.0, 1.0}});
   chapter.defaults = {.duration = 2.0, .step = 0.001};
   chapter.constraint_unit = "m or rad";
   chapter.fastest = [&] { return scene.fastest(chapter.defaults.duration); };

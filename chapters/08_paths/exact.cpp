@@ -34,21 +34,27 @@ EnergyMotion::EnergyMotion(Wire wire, double g, const State& start)
     start_.q -= before_;
   }
   const auto& [q0, v0_given] = start_;
-  const double little = 1e-6 * (wire_.last - wire_.first);
-  const double pull =
-      g_ * (wire_.depth(q0 + little) - wire_.depth(q0 - little)) / (2 * little * wire_.stretch(q0));
+  const double little = 1e-9 * (wire_.last - wire_.first);
   // A speed that is spent within rounding of the start is none.
-  const double spent = v0_given * v0_given / (2 * std::abs(pull) * wire_.stretch(q0));
-  const double v0 = spent < 1e-9 * little ? 0.0 : v0_given;
-  rests_ = v0 == 0.0 && !(std::abs(pull) > 1e-9 * g_);
-  if (rests_) return;
-  const int direction = v0 > 0.0 || (v0 == 0.0 && pull > 0.0) ? 1 : -1;
+  const double spent = v0_given * v0_given / (2 * g_ * std::abs(wire_.slope(q0)));
+  const double v0 = spent < 1e-6 * little ? 0.0 : v0_given;
+  const auto falls = [&](int direction) {
+    const double q = q0 + direction * little;
+    return g_ > 0.0 && (wire_.closed || (q >= wire_.first && q <= wire_.last)) &&
+           direction * wire_.slope(q) > 1e-12 * wire_.stretch(q);
+  };
+  const bool level = std::abs(wire_.slope(q0)) <= 1e-14 * wire_.stretch(q0),
+             ridge = falls(1) && falls(-1), knot = is_knot(q0);
+  rests_ = v0 == 0.0 && (ridge ? level && !knot : !falls(1) && !falls(-1));
+  holds_ = v0 != 0.0 || !(ridge && knot);  // else it may fall to either side
+  if (rests_ || !holds_) return;
+  const int direction = v0 != 0.0 ? (v0 > 0.0 ? 1 : -1)
+                        : ridge   ? (wire_.slope(q0) > 0.0 ? 1 : -1)
+                                  : (falls(1) ? 1 : -1);
   legs_.push_back(leg(q0, direction, wire_.depth(q0), v0 * v0));
   for (int i = 1; i < 3 && legs_.back().turns; ++i) {
     const double turn = legs_.back().to;
     legs_.push_back(leg(turn, i == 1 ? -direction : direction, wire_.depth(turn), 0.0));
-    // So small a swing that its energy is lost in the rounding of its height.
-    if (std::abs(turn - q0) < little && std::abs(legs_.back().to - turn) < little) holds_ = false;
   }
 }
 
@@ -59,7 +65,20 @@ double EnergyMotion::Leg::q(double phi) const {
 }
 
 double EnergyMotion::energy(const Leg& leg, double q) const {
-  return leg.v2 + 2 * g_ * (wire_.depth(q) - leg.y0);
+  // A small fall would be lost in the rounding of its two depths.
+  const double fall = std::abs(q - leg.from) < leg.near
+                          ? boost::math::quadrature::gauss<double, 10>::integrate(
+                                wire_.slope, std::min(leg.from, q), std::max(leg.from, q)) *
+                                (q < leg.from ? -1 : 1)
+                          : wire_.depth(q) - leg.y0;
+  return leg.v2 + 2 * g_ * fall;
+}
+
+bool EnergyMotion::is_knot(double q) const {
+  const double near = 1e-14 * (wire_.last - wire_.first);
+  return (wire_.closed && std::min(q - wire_.first, wire_.last - q) <= near) ||
+         std::any_of(wire_.knots.begin(), wire_.knots.end(),
+                     [=](double knot) { return std::abs(q - knot) <= near; });
 }
 
 double EnergyMotion::dt_dphi(const Leg& leg, double phi) const {
@@ -94,14 +113,19 @@ EnergyMotion::Leg EnergyMotion::leg(double from, int direction, double y0, doubl
   });
 
   Leg leg{from, ends.empty() ? from : ends.back(), false, y0, v2};
+  leg.near = ends.empty() ? 0.0 : std::min(std::abs(ends.front() - from), 0.05 * width);
   const auto moves = [&](double q) { return energy(leg, q) > 0.0; };
-  constexpr int looks = 1000;  // between two knots
+  const int looks =  // between two knots
+      std::clamp(20000 / static_cast<int>(wire_.knots.size() + 1), 20, 1000);
   double before = from;
+  bool moved = v2 > 0.0;
   for (const double end : ends) {
     const double begin = before;
-    for (int k = 1; k <= looks && !leg.turns; ++k) {
-      const double q = k == looks ? end : begin + (end - begin) * k / looks;
-      if (!moves(q) && (v2 > 0.0 || before != from || k > 1)) {
+    for (int k = begin == from ? -40 : 1; k <= looks && !leg.turns; ++k) {  // small swings, too
+      const double part = k > 0 ? k : std::ldexp(1.0, k - 1);
+      const double q = k == looks ? end : begin + (end - begin) * part / looks;
+      moved = moved || k > 1 || moves(q);
+      if (moved && !moves(q)) {
         double low = before, high = q;
         for (int i = 0; i < 200; ++i) {
           const double middle = low + (high - low) / 2;

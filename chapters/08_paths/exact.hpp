@@ -22,6 +22,7 @@ std::optional<State> on_cycloid(double R, double g, const State& start, double t
 /// A wire as its energy sees it, as functions of q.
 struct Wire {
   std::function<double(double q)> depth;    ///< y [m], down
+  std::function<double(double q)> slope;    ///< its derivative
   std::function<double(double q)> stretch;  ///< |x′|, the length [m] of a unit of q
   double first, last;
   std::vector<double> knots;  ///< where these are not smooth
@@ -50,9 +51,10 @@ class EnergyMotion {
   /// A way on which q grows or falls, cut into pieces, with the time at which each begins.
   struct Leg {
     double from, to;
-    bool turns;  ///< at `to`, else it leaves the wire there, or goes around
-    double y0;   ///< a depth at which
-    double v2;   ///< the square of the speed is this
+    bool turns;         ///< at `to`, else it leaves the wire there, or goes around
+    double y0;          ///< a depth at which
+    double v2;          ///< the square of the speed is this
+    double near = 0.0;  ///< of `from`, without a knot between
     struct Cut {
       double phi, t;
     };
@@ -62,6 +64,7 @@ class EnergyMotion {
     double duration() const { return cuts.back().t; }
   };
 
+  bool is_knot(double q) const;
   double energy(const Leg& leg, double q) const;
   double dt_dphi(const Leg& leg, double phi) const;
   double time(const Leg& leg, double from, double to) const;

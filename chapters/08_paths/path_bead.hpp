@@ -42,32 +42,40 @@ class BeadOnWire {
   /// The force of the wire [N]: what keeps the bead on its curvature, and what answers the force
   /// across it. Not a number where the curvature is infinite.
   Vector2d constraint_force(const Now& now) const {
-    const auto [x, d, dd] = path()(now.q);
-    const Vector2d t = wire_.tangent(now.q), n(-t.y(), t.x());
+    if (on(now) == On::none) return -force(path()(now.q).x, Vector2d::Zero());
+    const auto [x, d, dd] = place(now);
+    const Vector2d t = tangent(now), n(-t.y(), t.x());
     const double curvature = n.dot(dd) / d.squaredNorm();
     return (mass_ * curvature * now.speed * now.speed - n.dot(force(x, now.speed * t))) * n;
   }
 
-  /// It cannot leave its curve, only the end of it. Throws Diverged with the time at which the last
-  /// step went over it.
+  /// It cannot leave its curve, only the end of it, if its energy takes it there: Throws Diverged
+  /// with the time at which the last step went over it.
   void check(double t, double state, double rate) const {
     if (path().closed) return;
     const double over = state < first_ ? state - first_ : state > last_ ? state - last_ : 0.0;
     if (over == 0.0) return;
+    const double end = over < 0.0 ? path().first : path().last;
+    const double fall = 2.0 * gravity_ * (path()(end).x.y() - path()(start_q_).x.y());
+    if (!pull && !(start_speed_ * start_speed_ + fall > 0.0))
+      throw mechanics::Diverged(
+          mechanics::at(t) +
+          fmt::format("its steps take the bead over the end of the wire, q = {:.6g}, which its "
+                      "energy does not reach",
+                      end));
     double a = 0.0;  // in the step: over = rate τ − a τ²/2
     self().acceleration(t, state, rate, a);
     const double root = std::sqrt(std::max(0.0, rate * rate - 2.0 * a * over));
     const double since = 2.0 * over / (rate + std::copysign(root, rate));
     throw mechanics::Diverged(
         fmt::format("where the bead leaves the wire at t = {:.9g} s, at its end q = {:.6g}",
-                    std::max(0.0, std::isfinite(since) ? t - since : t),
-                    over < 0.0 ? path().first : path().last),
+                    std::max(0.0, std::isfinite(since) ? t - since : t), end),
         mechanics::Trouble::ended);
   }
 
   mechanics::Measures measures(double, double state, double rate) const {
     const Now now = self().now(state, rate);
-    const Vector2d x = path()(now.q).x, v = now.speed * wire_.tangent(now.q);
+    const Vector2d x = path()(now.q).x, v = now.speed * tangent(now);
     const double kinetic = 0.5 * mass_ * now.speed * now.speed;
     return {.energy = kinetic - mass_ * gravity_ * x.y(),
             .constraint_error = 0.0,  // there is none to break
@@ -101,7 +109,7 @@ class BeadOnWire {
   }
   void observe(double, double state, double rate, mechanics::Row& row) const {
     const Now now = self().now(state, rate);
-    const Vector2d x = path()(now.q).x, v = now.speed * wire_.tangent(now.q);
+    const Vector2d x = path()(now.q).x, v = now.speed * tangent(now);
     row.state = {now.q, now.speed, x.x(), x.y(), v.x(), v.y()};
     Vector2d on_bead = constraint_force(now);
     if (!on_bead.allFinite()) on_bead.setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -112,9 +120,33 @@ class BeadOnWire {
   Vector2d tangent(double q) const { return wire_.tangent(q); }
 
  protected:
+  /// At a knot the bead is on the piece that it moves on to; at rest on that to which the force
+  /// pulls it, or on none: it stays in the corner.
+  enum class On { ahead, behind, none };
+  On on(const Now& now) const {
+    if (now.speed > 0.0 || !path().is_knot(now.q)) return On::ahead;
+    if (now.speed < 0.0) return On::behind;
+    const Vector2d F = force(path()(now.q).x, Vector2d::Zero());
+    if (wire_.tangent(now.q).dot(F) > 0.0) return On::ahead;
+    return wire_.tangent(now.q, true).dot(F) < 0.0 ? On::behind : On::none;
+  }
+  paths::Place place(const Now& now) const {
+    return on(now) == On::behind ? path().behind(now.q) : path()(now.q);
+  }
+  /// Of that piece; zero on none.
+  Vector2d tangent(const Now& now) const {
+    const On piece = on(now);
+    if (piece == On::none) return Vector2d::Zero();
+    return wire_.tangent(now.q, piece == On::behind);
+  }
+
   /// Throws std::invalid_argument where the start is not on the wire.
   explicit BeadOnWire(const Scene& scene)
-      : wire_(path_of(scene)), mass_(scene.mass), gravity_(scene.gravity) {
+      : wire_(wire_of(scene)),
+        mass_(scene.mass),
+        gravity_(scene.gravity),
+        start_q_(scene.q0),
+        start_speed_(scene.speed) {
     if (!path().closed && !(scene.q0 >= path().first && scene.q0 <= path().last))
       throw std::invalid_argument(
           fmt::format("q0 {:g}: allowed is a place on the wire, {:g} to {:g}", scene.q0,
@@ -122,7 +154,7 @@ class BeadOnWire {
   }
 
   paths::ByLength wire_;
-  double mass_, gravity_;
+  double mass_, gravity_, start_q_, start_speed_;
   double start_ = 0.0, start_rate_ = 0.0;
   double first_ = 0.0, last_ = 0.0;  ///< of the state, on an open wire
 
@@ -136,7 +168,7 @@ class BeadOnWire {
 class BeadByParameter : public BeadOnWire<BeadByParameter> {
  public:
   explicit BeadByParameter(const Scene& scene) : BeadOnWire(scene) {
-    const double stretch = path()(scene.q0).d.norm();
+    const double stretch = place({scene.q0, scene.speed}).d.norm();
     if (vanishes(stretch))
       throw std::invalid_argument(
           fmt::format("q0 {:g}: there x' = 0, and the equation of q divides by it; allowed is "
@@ -150,13 +182,14 @@ class BeadByParameter : public BeadOnWire<BeadByParameter> {
 
   // [by_parameter]
   void acceleration(double t, double q, double qdot, double& qddot) const {
-    const auto [x, d, dd] = path()(q);
-    if (vanishes(d.norm())) no_equation(t, q);
+    const auto [x, d, dd] = place({q, qdot});
+    if (d.allFinite() && vanishes(d.norm())) no_equation(t, q);
     qddot = (d.dot(force(x, qdot * d)) / mass_ - d.dot(dd) * qdot * qdot) / d.squaredNorm();
+    if (on({q, qdot}) == On::none) qddot = 0.0;
   }
   // [by_parameter]
 
-  Now now(double q, double qdot) const { return {q, qdot * path()(q).d.norm()}; }
+  Now now(double q, double qdot) const { return {q, qdot * place({q, qdot}).d.norm()}; }
 
  private:
   bool vanishes(double stretch) const {
@@ -165,9 +198,7 @@ class BeadByParameter : public BeadOnWire<BeadByParameter> {
   [[noreturn]] static void no_equation(double t, double q) {
     throw mechanics::Diverged(
         mechanics::at(t) +
-        fmt::format("x' = 0 at q = {:.6g}, and the equation of q divides by it; by its length the "
-                    "wire is passable there",
-                    q));
+        fmt::format("x' = 0 at q = {:.6g}, and the equation of q divides by it", q));
   }
 };
 
@@ -186,9 +217,9 @@ class BeadByLength : public BeadOnWire<BeadByLength> {
 
   // [by_length]
   void acceleration(double, double s, double sdot, double& sddot) const {
-    const double q = wire_.q(s);
-    const Vector2d t = wire_.tangent(q);
-    sddot = t.dot(force(path()(q).x, sdot * t)) / mass_;
+    const Now now{wire_.q(s), sdot};
+    const Vector2d t = tangent(now);
+    sddot = t.dot(force(path()(now.q).x, sdot * t)) / mass_;
   }
   // [by_length]
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -70,6 +71,26 @@ std::vector<State> states(const Scene& scene, double duration, int count) {
   return found;
 }
 
+/// Where beside a place a text of so many letters covers the fewest of some points.
+Point free_place(const Canvas& canvas, Point at, std::size_t letters,
+                 const std::vector<Point>& points) {
+  const double width = 7.5 * static_cast<double>(letters) / 2, k = canvas.points_per_metre();
+  Point best{};
+  auto fewest = points.size() + 1;
+  for (const double down : {-18.0, 18.0, -30.0, 30.0})
+    for (const double right : {width + 8, 0.0, -width - 8}) {
+      const auto covered =
+          static_cast<std::size_t>(std::count_if(points.begin(), points.end(), [&](Point p) {
+            return std::abs(k * (p.x - at.x) - right) < width + 6 &&
+                   std::abs(k * (p.y - at.y) - down) < 12;
+          }));
+      if (covered >= fewest) continue;
+      fewest = covered;
+      best = {right, down};
+    }
+  return best;
+}
+
 Picture scene_picture(const Scene& scene, const RunOptions& run) {
   const paths::Path path = path_of(scene);
   const paths::ByLength by_length(path);
@@ -83,25 +104,39 @@ Picture scene_picture(const Scene& scene, const RunOptions& run) {
                 "The bead at {} equal times up to {}; its velocity lies along "
                 "the tangent and is at most {} m/s.",
                 way.size(), fmt::format("q = {:.3g}", way.back().q), pictures::rounded(fastest));
-  return {
-      "scene", [=](draw::Pen& pen) {
-        const draw::View view = view_of(scene, path, run.duration);
-        const double longest = 0.24 * std::max(view.right - view.left, view.bottom - view.top);
-        Canvas canvas(pen, draw::page(pen, scene.path, caption), view);
-        canvas.axes("m");
-        draw_wire(canvas, scene, path, run.duration);
-        for (const State& state : way) {
-          const Vector2d x = path(state.q).x, v = state.speed * by_length.tangent(state.q);
-          if (fastest > 0.0)
-            canvas.arrow(point(x), point(longest / fastest * v), canvas.theme().velocity);
-        }
-        if (!way.empty())
-          for (const State& state : {way.front(), way.back()})
-            canvas.label(point(path(state.q).x), fmt::format("q = {:.3g}", state.q),
-                         canvas.theme().ink, draw::Font::text, draw::Align::left, {12.0, -14.0});
-        for (const State& state : way)
-          canvas.bead(point(path(state.q).x), 4.5, canvas.theme().body, canvas.theme().body_edge);
-      }};
+  return {"scene", [=](draw::Pen& pen) {
+            draw::View view = view_of(scene, path, run.duration);
+            const double longest = 0.24 * std::max(view.right - view.left, view.bottom - view.top);
+            const auto arrow = [&](const State& state) {
+              return Vector2d(longest / std::max(fastest, 1e-300) * state.speed *
+                              by_length.tangent(state.q));
+            };
+            for (const State& state : way) {
+              const Vector2d head = path(state.q).x + 1.05 * arrow(state);
+              view = {std::min(view.left, head.x()), std::min(view.top, head.y()),
+                      std::max(view.right, head.x()), std::max(view.bottom, head.y())};
+            }
+            Canvas canvas(pen, draw::page(pen, scene.path, caption), view);
+            canvas.axes("m");
+            draw_wire(canvas, scene, path, run.duration);
+            std::vector<Point> drawn =
+                points_of(path, path.first, last_seen(scene, path, run.duration));
+            for (const State& state : way) {
+              const Vector2d x = path(state.q).x;
+              canvas.arrow(point(x), point(arrow(state)), canvas.theme().velocity);
+              for (int i = 0; i <= 40; ++i) drawn.push_back(point(x + i / 40.0 * arrow(state)));
+            }
+            if (!way.empty())
+              for (const State& state : {way.front(), way.back()}) {
+                const std::string text = fmt::format("q = {:.3g}", state.q);
+                const Point at = point(path(state.q).x);
+                canvas.label(at, text, canvas.theme().ink, draw::Font::text, draw::Align::center,
+                             free_place(canvas, at, text.size(), drawn));
+              }
+            for (const State& state : way)
+              canvas.bead(point(path(state.q).x), 4.5, canvas.theme().body,
+                          canvas.theme().body_edge);
+          }};
 }
 
 /// Three beads from three heights, and one on the straight wire beside the highest.
@@ -161,25 +196,24 @@ Picture corner_picture() {
   scene.gravity = 0.0;
   scene.speed = 1.0;
   const paths::Path path = path_of(scene);
-  std::array<double, 2> speeds{};
-  for (std::size_t i = 0; i < 2; ++i) {
-    scene.by = i == 0 ? "length" : "parameter";
-    const auto bead = start(scene)({});
-    bead->advance(1800, 0.001);
-    speeds[i] = bead->row().state[1];
-  }
   struct Answer {
     std::string text;
-    double speed;
+    double speed, impulse;
   };
-  const std::array<Answer, 3> answers{{{"inelastic: v cos α", std::cos(turn)},
-                                       {"rounded corner, by length", speeds[0]},
-                                       {"dq/dt kept, by parameter: wrong", speeds[1]}}};
-  const std::string caption = fmt::format(
-      "1 m/s before a corner of {:g} rad. Behind it a rounded corner leaves {:.2f} m/s, an "
-      "inelastic "
-      "one {:.2f}, and a program that keeps dq/dt makes {:.2f}.",
-      turn, answers[1].speed, answers[0].speed, answers[2].speed);
+  std::array<Answer, 3> answers{{{"inelastic", std::cos(turn), scene.mass * std::sin(turn)},
+                                 {"rounded, by length", 0.0, 0.0},
+                                 {"dq/dt kept, by parameter: wrong", 0.0, 0.0}}};
+  for (std::size_t i : {1U, 2U}) {
+    scene.by = i == 1 ? "length" : "parameter";
+    const auto bead = start(scene)({});
+    bead->advance(1800, 0.001);
+    const std::vector<double> state = bead->row().state;
+    answers[i].speed = state[1];
+    answers[i].impulse = scene.mass * std::hypot(state[4] - scene.speed, state[5]);
+  }
+  std::string caption = fmt::format("1 kg at 1 m/s before a corner of {:g} rad.", turn);
+  for (const auto& [text, speed, impulse] : answers)
+    caption += fmt::format(" {}: {:.3f} m/s, impulse {:.4f} N·s.", text, speed, impulse);
   return {"corner", [=](draw::Pen& pen) {
             Canvas canvas(pen, draw::page(pen, "Three answers of a corner", caption),
                           {-0.3, -0.5, 3.0, 1.5});
@@ -195,10 +229,12 @@ Picture corner_picture() {
             for (std::size_t i = 0; i < 3; ++i) {
               const Vector2d x = Vector2d(1, 0) + 0.8 * answers[i].speed * on;
               canvas.bead(point(x), 7.0, theme.series[i], theme.body_edge);
-              canvas.label(
-                  point(x), fmt::format("{}: {:.3f} m/s", answers[i].text, answers[i].speed),
-                  theme.ink, draw::Font::text, i == 1 ? draw::Align::left : draw::Align::right,
-                  {i == 1 ? 16.0 : -16.0, i == 1 ? -8.0 : 12.0});
+              canvas.label(point(x),
+                           fmt::format("{}: {:.3f} m/s, {:.3f} N·s", answers[i].text,
+                                       answers[i].speed, answers[i].impulse),
+                           theme.ink, draw::Font::text,
+                           i == 1 ? draw::Align::left : draw::Align::right,
+                           {i == 1 ? 16.0 : -16.0, i == 1 ? -8.0 : 12.0});
             }
           }};
 }
@@ -218,8 +254,9 @@ Picture symplectic_picture() {
     most[i] = i == 0 ? drift.energy_error.back().x : drift.largest_energy_error;
   }
   const std::string caption = fmt::format(
-      "semi_implicit_euler, h = {:g} s, from q = {:g}. By the parameter the energy grows until the "
-      "bead leaves the wire after {:.0f} s; by the length it is off by at most {} J.",
+      "semi_implicit_euler, h = {:g} s, from q = {:g}. By the parameter the energy grows, and "
+      "after "
+      "{:.0f} s the steps go over the end of the wire; by the length it is off by at most {} J.",
       h, q0, most[0], pictures::figure(most[1]));
   return {"symplectic", [=](draw::Pen& pen) {
             draw::draw_plot(pen, draw::page(pen, "Symplectic in s, not in q", caption),
@@ -322,7 +359,9 @@ Picture orders_picture(const std::vector<Order>& orders) {
   for (const Order& o : orders) {
     draw::Curve curve{
         .label = fmt::format("{}, by {}: order {:.1f}", o.wire, o.by, std::abs(o.order)),
-        .dash = o.by == "length" ? draw::Dash::solid : draw::Dash::dashed,
+        .dash = o.by == "parameter" ? draw::Dash::dashed
+                : o.by == "length"  ? draw::Dash::solid
+                                    : draw::Dash::dotted,
         .thickness = 2.2,
         .markers = true};
     for (std::size_t k = 0; k < o.errors.size(); ++k)
@@ -332,12 +371,14 @@ Picture orders_picture(const std::vector<Order>& orders) {
   const auto error_at = [&](std::size_t i) { return pictures::figure(orders[i].errors[3]); };
   const std::string caption = fmt::format(
       "Mean error of RK4 after 1 s over {} start speeds. At h = 1/400 s the error on the "
-      "Catmull-Rom spline is {} m by its parameter and {} m by its length.",
-      start_speeds, error_at(2), error_at(3));
+      "Catmull-Rom spline is {} m by its parameter, {} m by its length, and {} m where steps end "
+      "at "
+      "the knots.",
+      start_speeds, error_at(2), error_at(3), error_at(4));
   return {"orders", [=](draw::Pen& pen) {
             std::vector<draw::Curve> themed = curves;
             for (std::size_t i = 0; i < themed.size(); ++i)
-              themed[i].color = pen.theme().series[i / 2];
+              themed[i].color = pen.theme().series[i < 2 ? 0 : i < 5 ? 1 : 2];
             draw::draw_plot(pen, draw::page(pen, "How smooth a wire is decides the order", caption),
                             {.x = {.label = "step [s]", .log = true},
                              .y = {.label = "mean error of the place [m]", .log = true},

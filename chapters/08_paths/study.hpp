@@ -31,7 +31,7 @@ std::vector<double> errors(const Scene& scene, const mechanics::Row& row);
 /// The order of RK4 on splines that are smooth to different degrees.
 struct Order {
   std::string wire;
-  std::string by;
+  std::string by;              ///< "parameter", "length", or "length to knots": steps end there
   std::vector<double> errors;  ///< of place [m], mean over start speeds; steps halved each time
   double order;                ///< from the first to the last
   double seconds;              ///< processor time of a step

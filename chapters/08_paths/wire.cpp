@@ -7,15 +7,17 @@
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
+#include <iterator>
+#include <limits>
 #include <sstream>
-
-#include "app/options.hpp"
 
 namespace any_wire {
 namespace {
 
 namespace fs = std::filesystem;
 using paths::Path;
+
+constexpr std::size_t most = 10000;  // segments of a wire
 
 constexpr const char* five_points = "0,0 1,1 2,0.4 3,1.5 4,0.2";
 
@@ -32,9 +34,10 @@ std::vector<std::vector<std::string>> lines_of(const std::string& text) {
   return lines;
 }
 
-double number_of(const std::string& option, const std::string& text) {
+double number_of(const std::string& option, const std::string& text,
+                 const app::Range& allowed = {}) {
   try {
-    return app::number(option, text, {});
+    return app::number(option, text, allowed);
   } catch (const app::UsageError& error) {
     throw std::invalid_argument(error.what());
   }
@@ -46,20 +49,24 @@ void set(Scene& scene, const std::string& option, const std::string& value) {
                                                                 {"--tangents", &Scene::tangents},
                                                                 {"--launch", &Scene::launch},
                                                                 {"--file", &Scene::file}};
-  const std::pair<const char*, double Scene::*> numbers[] = {
-      {"--radius", &Scene::radius}, {"--r0", &Scene::r0},     {"--r1", &Scene::r1},
-      {"--turns", &Scene::turns},   {"--span", &Scene::span}, {"--amplitude", &Scene::amplitude},
-      {"--waves", &Scene::waves}};
   for (const auto& [name, place] : texts)
     if (option == name) return void(scene.*place = value);
-  for (const auto& [name, place] : numbers)
-    if (option == name) return void(scene.*place = number_of(option, value));
+  for (const Number& number : numbers())
+    if (option == number.option)
+      return void(scene.*number.place = number_of(option, value, number.allowed));
   throw std::invalid_argument(option + ": not an option of a path");
 }
 
-Path sequence_of(const Scene& scene, const std::string& text, const fs::path& folder, int depth);
+/// Where files are read, and how many segments may still come.
+struct Reading {
+  fs::path folder = {};
+  int depth = 0;
+  std::size_t& left;
+};
 
-Path path_of(const Scene& scene, const fs::path& folder, int depth) {
+Path sequence_of(const Scene& scene, const std::string& text, const Reading& reading);
+
+Path path_of(const Scene& scene, const Reading& reading) {
   const auto points = [&] { return points_of("points", scene.points); };
   const std::string& name = scene.path;
   if (name == "line") {
@@ -88,22 +95,22 @@ Path path_of(const Scene& scene, const fs::path& folder, int depth) {
                        "0 line --points \"0,0 1,0.6\"\n"
                        "0.3 cubic --points \"1,0.6 2,1.2 2,0 3,0\"\n"
                        "0.7 catmull_rom --points \"3,0 3.5,0.3 4,0.1 4.5,0.8\"\n",
-                       folder, depth);
-  const fs::path file = folder / scene.file;
+                       reading);
+  const fs::path file = reading.folder / scene.file;
   std::ifstream stream(file);
-  std::ostringstream text;
-  if (!fs::is_regular_file(file) || !(text << stream.rdbuf()))
+  if (!fs::is_regular_file(file) || !stream)
     throw std::invalid_argument(fmt::format(
         "file {}: cannot be read; allowed is a file with a line for each piece", scene.file));
-  return sequence_of(scene, text.str(), file.parent_path(), depth);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  return sequence_of(scene, text, {file.parent_path(), reading.depth, reading.left});
 }
 
-Path sequence_of(const Scene& scene, const std::string& text, const fs::path& folder, int depth) {
+Path sequence_of(const Scene& scene, const std::string& text, const Reading& reading) {
   constexpr int deepest = 8;
   const auto refuse = [&](std::size_t line, const std::string& why) {
     throw std::invalid_argument(fmt::format("file {}: line {}: {}", scene.file, line + 1, why));
   };
-  if (depth == deepest) refuse(0, fmt::format("files nest deeper than {}", deepest));
+  if (reading.depth == deepest) refuse(0, fmt::format("files nest deeper than {}", deepest));
   std::vector<paths::Piece> pieces;
   const auto lines = lines_of(text);
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -119,7 +126,12 @@ Path sequence_of(const Scene& scene, const std::string& text, const fs::path& fo
       Scene piece = known->scene;
       piece.gravity = scene.gravity;
       for (std::size_t k = 2; k < words.size(); k += 2) set(piece, words[k], words[k + 1]);
-      pieces.push_back({number_of("cue", words[0]), path_of(piece, folder, depth + 1)});
+      pieces.push_back({number_of("cue", words[0]),
+                        path_of(piece, {reading.folder, reading.depth + 1, reading.left})});
+      const std::size_t segments = pieces.back().path.knots.size() + 1;
+      if (segments > reading.left)
+        throw std::invalid_argument(fmt::format("with it there are more than {} segments", most));
+      if (piece.path != "sequence" || piece.is_default_sequence()) reading.left -= segments;
     } catch (const std::invalid_argument& error) {
       if (std::string(error.what()).starts_with("file ")) throw;  // of a file inside this one
       refuse(i, error.what());
@@ -129,6 +141,20 @@ Path sequence_of(const Scene& scene, const std::string& text, const fs::path& fo
 }
 
 }  // namespace
+
+const std::vector<Number>& numbers() {
+  constexpr app::Range length{1e-6, 1e6}, radius{0.0, 1e6};
+  static const std::vector<Number> numbers{
+      {"--radius", "m", "circle, cycloid: radius", &Scene::radius, length},
+      {"--r0", "m", "spiral: radius at q = 0", &Scene::r0, radius},
+      {"--r1", "m", "spiral: radius at q = 1", &Scene::r1, radius},
+      {"--turns", "rad", "spiral: its whole angle", &Scene::turns, {-1e4, 1e4}},
+      {"--span", "m", "sine: width", &Scene::span, length},
+      {"--amplitude", "m", "sine: amplitude", &Scene::amplitude, {-1e6, 1e6}},
+      {"--waves", "", "sine: number of waves", &Scene::waves, {0.0, 1e3}},
+  };
+  return numbers;
+}
 
 const std::vector<Preset>& presets() {
   const auto on = [](const char* path, const char* points, double q0, double speed,
@@ -171,7 +197,8 @@ const Preset& preset(const std::string& path) {
 
 paths::Path path_of(const Scene& scene) {
   try {
-    const Path path = path_of(scene, "", 0);
+    std::size_t left = most;
+    const Path path = path_of(scene, {.left = left});
     if (!path(path.first).x.allFinite() || !path(path.last).x.allFinite())
       throw std::invalid_argument("path: it has no finite ends");
     return path;
@@ -203,23 +230,59 @@ paths::Points points_of(const std::string& option, const std::string& text) {
   return points;
 }
 
+paths::ByLength wire_of(const Scene& scene) {
+  const Path path = path_of(scene);
+  try {
+    return paths::ByLength(path);
+  } catch (const std::invalid_argument& error) {  // "path: ..."
+    const bool points = !preset(scene.path).scene.points.empty();
+    throw std::invalid_argument(fmt::format("{} {}{}", points ? "points" : "path",
+                                            points ? scene.points : scene.path,
+                                            std::string(error.what()).substr(4)));
+  }
+}
+
+Parameter parameter_of(const Path& path) {
+  const auto stretch = [&](double q) { return path(q).d.norm(); };
+  const double little = 1e-9 * (path.last - path.first);
+  std::vector<double> knots = path.knots;
+  if (path.closed) knots.push_back(path.last);
+  for (const double knot : knots)
+    if (const double behind = stretch(knot - little);
+        std::abs(stretch(knot + little) - behind) > 1e-3 * behind)
+      return Parameter::wrong;
+  double least = std::numeric_limits<double>::infinity(), mean = 0.0;
+  constexpr int looks = 1000;
+  for (int k = 0; k <= looks; ++k) {
+    const double here = stretch(path.first + k * (path.last - path.first) / looks);
+    least = std::min(least, here);
+    mean += here / looks;
+  }
+  return path.knots.empty() && least > 0.1 * mean ? Parameter::good : Parameter::poor;
+}
+
 double fastest(const Scene& scene) {
   const Path path = path_of(scene);
-  const double height = path(scene.q0).x.y();
+  const double height = path(scene.q0).x.y(), range = path.last - path.first;
+  double most = 1e-3;
+  const auto look = [&](double q) {
+    const auto [x, d, dd] = path(q);
+    const double v2 = scene.speed * scene.speed + 2 * scene.gravity * (x.y() - height);
+    const double bend =
+        scene.by_length() ? std::abs(d.x() * dd.y() - d.y() * dd.x()) / d.norm() : dd.norm();
+    const double rate = bend * std::sqrt(std::max(v2, 0.0)) / d.squaredNorm();
+    if (std::isfinite(rate)) most = std::max(most, rate);
+  };
   std::vector<double> ends = path.knots;
   ends.insert(ends.begin(), path.first);
   ends.push_back(path.last);
-  double most = 1e-3;
-  constexpr int looks = 400;  // between two knots
+  const int looks = std::clamp(20000 / static_cast<int>(ends.size()), 20, 400);
   for (std::size_t i = 1; i < ends.size(); ++i)
-    for (int k = 0; k < looks; ++k) {
-      const auto [x, d, dd] = path(ends[i - 1] + (k + 0.5) / looks * (ends[i] - ends[i - 1]));
-      const double v2 = scene.speed * scene.speed + 2 * scene.gravity * (x.y() - height);
-      const double bend =
-          scene.by_length() ? std::abs(d.x() * dd.y() - d.y() * dd.x()) / d.norm() : dd.norm();
-      const double rate = bend * std::sqrt(std::max(v2, 0.0)) / d.squaredNorm();
-      if (std::isfinite(rate)) most = std::max(most, rate);
-    }
+    for (int k = 0; k < looks; ++k) look(ends[i - 1] + (k + 0.5) / looks * (ends[i] - ends[i - 1]));
+  // Near the start, which may lie beside a place where |x′| is small.
+  for (double near = range / looks; near > 1e-9 * range; near /= 2)
+    for (const double q : {scene.q0 - near, scene.q0 + near})
+      if (path.closed || (q > path.first && q < path.last)) look(q);
   return most;
 }
 

@@ -1,5 +1,8 @@
 #include "mechanism.hpp"
 
+#include <cmath>
+#include <stdexcept>
+
 namespace drivers {
 
 mechanics::Mechanism make_mechanism(const slider_crank::Scene& machine, const Function& f,
@@ -25,6 +28,12 @@ eases::Move move(const Scene& scene) {
 mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method& method,
                                     slider_crank::Bodies* bodies) {
   const eases::Move f = move(scene);
+  const slider_crank::Scene& machine = scene.machine;
+  if (machine.rod == machine.crank && std::abs(std::cos(machine.theta0)) < 1e-6)
+    throw std::invalid_argument(
+        "theta0 " + mechanics::in_digits(machine.theta0, 6) +
+        ": a rod as long as the crank lies on it there, and from rest the slider may stay in the "
+        "centre or leave it; allowed is another angle, or another rod");
   mechanics::Mechanism mechanism = make_mechanism(scene.machine, f, method, bodies);
   if (scene.end_at_jumps) {
     const auto jumps = f.jumps();

@@ -20,6 +20,8 @@ mechanics::Mechanism make_mechanism(const slider_crank::Scene& machine, const Fu
 /// none.
 eases::Move move(const Scene& scene);
 
+/// The same of a scene. std::invalid_argument, too, for a start from which it can go on in two
+/// ways.
 mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method& method,
                                     slider_crank::Bodies* bodies = nullptr);
 

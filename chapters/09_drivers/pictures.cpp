@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -137,7 +138,11 @@ Picture torque_picture(const Scene& scene, const RunOptions& run) {
   for (const char* ease : {"smooth", "sine_in_out", "cubic_in_out"}) {
     const Scene one = with(scene, ease);
     const eases::Move f = move(one);
-    draw::Curve exact{.label = ease}, found{.markers = true, .marker_size = 0.8, .line = false};
+    draw::Curve exact{.label = ease},
+        found{.label = ease == std::string("cubic_in_out") ? "marks: λ of the run" : "",
+              .markers = true,
+              .marker_size = 0.8,
+              .line = false};
     const auto jumps = f.jumps();
     double before = 0.0;
     for (int i = 0; i <= 400; ++i) {
@@ -248,47 +253,54 @@ Picture orders_picture(const Scene& scene) {
 
 Picture turned_off_picture(const Scene& scene, const RunOptions& run) {
   const eases::Move f = move(scene);
-  draw::Plot left{.title = "wheel angle", .x = {.label = "time [s]"}, .y = {.label = "θ [rad]"}},
-      right{.title = "torque of the motor", .x = {.label = "time [s]"}, .y = {.label = "λ [N·m]"}};
-  std::string figures;
+  std::array<draw::Plot, 3> plots;
+  const std::array<const char*, 3> titles{"wheel angle θ [rad]", "its rate ω [rad/s]",
+                                          "torque of the motor λ [N·m]"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    plots[i].x.label = "time [s]";
+    plots[i].y.label = titles[i];
+    plots[i].legend = i == 0 ? draw::Legend::top_left : draw::Legend::none;
+  }
   const auto add = [&](const char* label, const Function& told, const Method& method,
                        double thickness, draw::Dash dash) {
-    draw::Curve angle{.label = label, .dash = dash, .thickness = thickness}, torque = angle;
+    const draw::Curve curve{.label = label, .dash = dash, .thickness = thickness};
+    for (draw::Plot& plot : plots) plot.curves.push_back(curve);
     Bodies bodies;
     mechanics::Mechanism mechanism = make_mechanism(scene.machine, told, method, &bodies);
     Motion motion(std::move(mechanism), method);
     const long steps = run.whole_steps(), stride = std::max(1L, steps / 100);
     for (long done = 0; done <= steps; done += stride) {
       if (done > 0) motion.advance(stride, run.step);
-      angle.points.push_back({motion.time(), motion.q()[bodies.wheel.column + 2]});
-      torque.points.push_back({motion.time(), torque_of(motion)});
+      const Eigen::Index theta = bodies.wheel.column + 2;
+      const std::array values{motion.q()[theta], motion.v()[theta], torque_of(motion)};
+      for (std::size_t i = 0; i < 3; ++i)
+        plots[i].curves.back().points.push_back({motion.time(), values[i]});
     }
-    left.curves.push_back(angle);
-    right.curves.push_back(torque);
-    return std::abs(angle.points.back().y - f(motion.time()).f);
+    return std::abs(motion.q()[bodies.wheel.column + 2] - f(motion.time()).f);
   };
-  add("with both", f, projected, 5.0, draw::Dash::solid);
-  add("without C_t, projection", without_C_t(f), projected, 2.0, draw::Dash::solid);
-  const double alone =
-      add("without C_tt, no projection", without_C_tt(f), rk4, 2.0, draw::Dash::solid);
-  add("without C_tt, projection", without_C_tt(f), projected, 2.0, draw::Dash::dashed);
+  add("both, projected", f, projected, 6.0, draw::Dash::solid);
+  add("no C_t, projected", without_C_t(f), projected, 3.5, draw::Dash::solid);
+  const double alone = add("no C_tt", without_C_tt(f), rk4, 2.0, draw::Dash::solid);
+  add("no C_tt, projected", without_C_tt(f), projected, 2.0, draw::Dash::dashed);
   const std::string caption = fmt::format(
       "Without C_tt the wheel does not turn with the driver: it is {:.2f} rad off at the end. "
-      "Projection brings its angle back, not its torque.",
+      "Projection brings its angle and its rate back, not its torque. Without C_t it stops the "
+      "wheel "
+      "after each step.",
       alone);
   return {"turned_off", [=](draw::Pen& pen) {
             const draw::Rect content =
                 draw::page(pen, "A driver that does not say how its function changes", caption);
-            draw::Plot angle = left, torque = right;
-            for (draw::Plot* plot : {&angle, &torque}) {
-              plot->curves[0].color = pen.theme().grid;
-              for (std::size_t i = 1; i < 4; ++i) plot->curves[i].color = pen.theme().series[i - 1];
+            const double gap = 20.0, width = (content.width - 2 * gap) / 3;
+            for (std::size_t i = 0; i < 3; ++i) {
+              draw::Plot plot = plots[i];
+              plot.curves[0].color = pen.theme().grid;
+              for (std::size_t k = 1; k < 4; ++k) plot.curves[k].color = pen.theme().series[k - 1];
+              draw::draw_plot(pen,
+                              {content.left + static_cast<double>(i) * (width + gap), content.top,
+                               width, content.height},
+                              plot);
             }
-            torque.legend = draw::Legend::none;
-            const double width = 0.5 * (content.width - 24.0);
-            draw::draw_plot(pen, {content.left, content.top, width, content.height}, angle);
-            draw::draw_plot(pen, {content.left + width + 24.0, content.top, width, content.height},
-                            torque);
           }};
 }
 

@@ -14,6 +14,9 @@ int study(int argc, char** argv);
 std::vector<double> errors(const Scene& scene, const mechanics::Columns& columns,
                            const mechanics::Row& row);
 
+/// The largest torque [N·m] of the motor during its move.
+double largest_torque(const Scene& scene);
+
 /// The stiff and extreme cases of the driven machine, each with the outcome that is expected of it.
 measure::Stability stability();
 

@@ -261,6 +261,26 @@ TEST_CASE("an ease that there is not, or whose rate jumps, and a short rod are r
   CHECK_THROWS_WITH(motion(scene), ContainsSubstring("rod 0.2"));
 }
 
+TEST_CASE("a rod as long as the crank does not start in its dead centre, but goes through it") {
+  Scene scene;
+  scene.machine.rod = scene.machine.crank;
+  for (const double theta0 : {std::numbers::pi / 2, -std::numbers::pi / 2}) {
+    scene.machine.theta0 = theta0;
+    CHECK_THROWS_WITH(motion(scene), ContainsSubstring("the slider may stay in the centre"));
+  }
+  scene.machine.theta0 = 1.5707;  // just before
+  Motion machine = motion(scene, projected);
+  machine.advance(2000, 1e-3);
+  for (const double error : errors(scene, machine)) CHECK(error < 1e-9);
+}
+
+TEST_CASE("the largest torque is that of a bare wheel: I turn / move² times the largest E''") {
+  Scene scene;
+  scene.machine.rod_mass = scene.machine.slider_mass = 1e-12;
+  CHECK(drivers::largest_torque(scene) ==
+        Approx(scene.machine.wheel_inertia() * 10 / std::sqrt(3)).epsilon(1e-5));
+}
+
 TEST_CASE("a step allocates nothing") {
   for (const auto stabilization :
        {Stabilization::none, Stabilization::feedback, Stabilization::projection}) {

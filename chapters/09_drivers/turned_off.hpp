@@ -13,10 +13,10 @@ inline Function without_C_t(Function f) {
 inline Function without_C_tt(Function f) {
   return [=](double t) { return joints::Given{f(t).f, f(t).f_dot, 0.0}; };
 }
+// [lies]
 /// One that is told a step too late.
 inline Function late(Function f, double h) {
   return [=](double t) { return f(t - h); };
 }
-// [lies]
 
 }  // namespace drivers

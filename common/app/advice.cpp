@@ -29,6 +29,17 @@ std::optional<double> limit_of_feedback(const measure::RunOptions& run) {
   return never ? 0.0 : rounded_down(limit);
 }
 
+/// The options in effect that leave out a term, as they are given.
+std::string left_out(const Chapter& chapter) {
+  std::string options;
+  for (const Parameter& parameter : chapter.parameters)
+    if (parameter.option.starts_with(without) && parameter.value() != 0.0)
+      options.append(options.empty() ? "" : " ")
+          .append("--without ")
+          .append(parameter.option.substr(without.size()));
+  return options;
+}
+
 }  // namespace
 
 std::optional<std::string> fault_of_gains(const measure::RunOptions& run) {
@@ -44,14 +55,19 @@ std::optional<std::string> fault_of_gains(const measure::RunOptions& run) {
 
 std::string advice(const Chapter& chapter, const measure::RunOptions& run,
                    mechanics::Trouble trouble) {
-  if (trouble == mechanics::Trouble::ended) return "a shorter --duration";
+  if (trouble == mechanics::Trouble::ended) return "try a shorter --duration";
+  if (const std::string terms = left_out(chapter); !terms.empty())
+    return terms + " leaves out a term of the equation, which no shorter step makes up for";
+  const Cure cure = chapter.cure ? chapter.cure() : Cure{};
+  if (cure.alone) return "try " + cure.option;
   const mechanics::Method& method = run.method;
   const bool feedback = method.stabilization == mechanics::Stabilization::feedback;
   const double shortest = run.duration / mechanics::most_steps;
   const char* const projection = feedback ? "--stabilization projection in place of --ks and --kd"
                                           : "--stabilization projection";
-  if (trouble == mechanics::Trouble::singular) return projection;
+  if (trouble == mechanics::Trouble::singular) return "try " + std::string(projection);
   std::vector<std::string> ways;
+  if (!cure.option.empty()) ways.push_back(cure.option);
   if (const auto limit = limit_of_feedback(run)) {
     if (*limit > shortest) ways.push_back(fmt::format("a --step of {:.3g} s or less", *limit));
     ways.emplace_back("smaller gains");
@@ -69,7 +85,7 @@ std::string advice(const Chapter& chapter, const measure::RunOptions& run,
     ways.emplace_back(projection);
   if (method.tolerance == 0.0) ways.emplace_back("another --integrator");
   if (ways.empty()) ways.emplace_back("a shorter --duration");
-  std::string text = ways[0];
+  std::string text = "try " + ways[0];
   for (std::size_t i = 1; i < ways.size(); ++i)
     text += (i + 1 < ways.size() ? ", " : " or ") + ways[i];
   return text;

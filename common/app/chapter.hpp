@@ -15,6 +15,12 @@
 
 namespace app {
 
+/// An option to try, "--by length", beside or, alone, in place of what helps every scene.
+struct Cure {
+  std::string option = {};
+  bool alone = false;
+};
+
 /// Everything that the shared program needs to know of a chapter. The functions read the scene
 /// through the variables that the parameters point to, so they are called after the command line
 /// was read.
@@ -31,6 +37,10 @@ struct Chapter {
   /// The fastest turning [rad/s] that the scene can come to as its parameters stand. Empty: every
   /// scene bears the default step.
   std::function<double()> fastest;
+
+  /// What helps a run of the scene, as its parameters stand, that is far from right. Empty: what
+  /// helps every scene.
+  std::function<Cure()> cure;
 
   /// The scene at t = 0 under a method.
   measure::Start start;

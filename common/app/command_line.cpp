@@ -469,7 +469,7 @@ int run_chapter(int argc, char** argv, const Chapter& chapter) {
                         std::any_of(chapter.texts.begin(), chapter.texts.end(), named);
     return complain(option ? "--" + text : text, 2);
   } catch (const mechanics::Diverged& diverged) {
-    return complain(fmt::format("stopped {}; try {}", diverged.what(),
+    return complain(fmt::format("stopped {}; {}", diverged.what(),
                                 advice(chapter, request.run, diverged.trouble)),
                     1);
   } catch (const std::exception& error) {

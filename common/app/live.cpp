@@ -257,8 +257,8 @@ class Live {
     } catch (const mechanics::Diverged& diverged) {
       diverged_ = true;
       playing_ = false;
-      message_ = of_controls(fmt::format("stopped {}; try {}", diverged.what(),
-                                         advice(chapter_, run_, diverged.trouble)));
+      message_ = of_controls(
+          fmt::format("stopped {}; {}", diverged.what(), advice(chapter_, run_, diverged.trouble)));
       say(message_);
     }
     stepping_ += measure::cpu_seconds() - start;
@@ -448,7 +448,7 @@ class Live {
     std::string text = message_;
     if (const auto verdict = stage_->verdict();
         text.empty() && stage_->settled() && !verdict.right())
-      text = of_controls(fmt::format("far from right: {}; try {}", verdict.text(),
+      text = of_controls(fmt::format("far from right: {}; {}", verdict.text(),
                                      advice(chapter_, run_, verdict.trouble())));
     const bool wrong = message_.empty() && !text.empty();
     if (wrong != wrong_) {

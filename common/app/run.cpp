@@ -212,7 +212,7 @@ Finished run_to_the_end(const Chapter& chapter, const Request& request,
         (run.method.tolerance > 0.0 || finished.verdict.trouble() == mechanics::Trouble::late);
     const auto trouble = drift_decided ? mechanics::Trouble::singular : finished.verdict.trouble();
     const std::string text =
-        fmt::format("{}; try {}", finished.verdict.text(), advice(chapter, run, trouble));
+        fmt::format("{}; {}", finished.verdict.text(), advice(chapter, run, trouble));
     if (request.strict) throw FarFromRight(text);
     say(fmt::format("warning: {}\n", text));
   }

@@ -280,10 +280,15 @@ TEST_CASE(
       return at == std::string::npos ? -1.0 : std::stod(text.substr(text.find("  ", at)));
     };
     CHECK(error(" --without " + term.name) > term.least);
+    const std::string warning = shell(run + " --without " + term.name).err;
+    CHECK(holds(warning, "; --without " + term.name + " leaves out a term of the equation"));
+    CHECK_FALSE(holds(warning, "try "));
     CHECK(error("") < 1e-3 * term.least);
     check_refused(run + " --without friction",
                   "--without friction: allowed is one of " + term.name);
   }
+  check_refused(program("06_prismatic") + " run --without coriolis",
+                "--without coriolis: allowed only with --spin");
 }
 
 TEST_CASE("without a caption a picture is another, and its sentence is printed all the same") {
@@ -401,9 +406,15 @@ TEST_CASE("unusable arguments: one line that names them, exit status 2") {
   check_refused(wire + "snail", "--path snail: allowed is one of cycloid, line, ");
   check_refused(wire + "circle --by angle", "--by angle: allowed is one of parameter, length");
   check_refused(wire + "cubic --points '0,0 1,1'", "--points 0,0 1,1: a cubic needs 4, not 2");
-  check_refused(wire + "line --points '1,1 1,1'", "--points 1,1 1,1: two in a row");
+  check_refused(wire + "line --points '1,1 1,1'", "--points 1,1 1,1: all of a line are (1, 1)");
+  check_refused(wire + "linear_spline --points '0,0 1,1 1,1'", "two in a row");
   check_refused(wire + "hermite_spline --tangents '1,0'", "--tangents 1,0: ");
   check_refused(wire + "projectile --launch 0,-1", "--launch 0,-1: straight up");
+  // What helps over a corner, and beside it: the length. What |x'| does not disturb: the step.
+  CHECK(shell(wire + "linear_spline --by parameter").err.ends_with("; try --by length\n"));
+  CHECK(holds(shell(wire + "cycloid --q0 3.1415926").err,
+              "energy does not reach; try --by length, a smaller --step"));
+  CHECK(holds(shell(wire + "circle --step 0.5").err, "; try a smaller --step"));
   check_refused(wire + "line --q0 2", "--q0 2: allowed is a place on the wire, 0 to 1");
   check_refused(wire + "cycloid --q0 3.141592653589793", "--q0 3.14159: there x' = 0");
   check_refused(wire + "sequence --file none", "--file none: cannot be read");

@@ -222,15 +222,12 @@ TEST_CASE("beyond an open end q goes on") {
 }
 
 TEST_CASE("what makes no path is refused in words") {
-  CHECK(refusal([] {
-          line({1, 2}, {1, 2});
-        }) ==
-        "points: two in a row of a line are (1, 2), and a piece without length has no tangent");
+  CHECK(refusal([] { line({1, 2}, {1, 2}); }) == "points: all of a line are (1, 2)");
   CHECK(refusal([] { cubic({{0, 0}, {1, 1}}); }) == "points: a cubic needs 4, not 2");
   CHECK(refusal([] {
           quadratic({{0, 0}, {1, 1}, {2, 2}, {3, 3}});
         }) == "points: a quadratic needs 3, not 4");
-  CHECK(refusal([] { catmull_rom({{0, 0}}); }) == "points: a catmull_rom needs 2 or more, not 1");
+  CHECK(refusal([] { catmull_rom({{0, 0}}); }) == "points: a catmull_rom needs 2 to 10000, not 1");
   CHECK(refusal([] { linear_spline({{0, 0}, {1, 1}, {1, 1}}); }).starts_with("points: two in a"));
   CHECK(refusal([] {
           hermite_spline({{0, 0}, {1, 1}}, {{1, 0}});
@@ -245,11 +242,51 @@ TEST_CASE("what makes no path is refused in words") {
   for (const auto& cues : {std::pair{0.1, 0.5}, std::pair{0.0, 0.0}, std::pair{0.0, 1.0}})
     CHECK(refusal([&] {
             sequence({{cues.first, a}, {cues.second, a}});
-          }) == "sequence: cues begin with 0, grow and stay below 1");
+          }) == "sequence: cues begin with 0, grow by 1e-6 and stay below 1");
   CHECK(refusal([] {
           ByLength(cubic({{0, 0}, {0, 0}, {0, 0}, {1, 1}}));
         }) == "path: no tangent at q = 0, where x' and x'' are zero");
   CHECK(refusal([] {
-          ByLength(cubic({{1, 1}, {1, 1}, {1, 1}, {1, 1}}));
+          ByLength(hermite_spline({{1, 1}, {1, 1}, {2, 2}}, {{0, 0}, {0, 0}, {1, 1}}));
         }).starts_with("path: no length between q = 0 and "));
+  CHECK(refusal([] {
+          quadratic({{1, 1}, {1, 1}, {1, 1}});
+        }) == "points: all of a quadratic are (1, 1)");
+}
+
+TEST_CASE("whether pieces meet is a matter of their size, wherever they lie, and told in digits") {
+  for (const double size : {1e-6, 1.0, 1e6})
+    for (const Vector2d& at : {Vector2d(0, 0), Vector2d(-30 * size, 50 * size)})
+      for (const double gap : {1e-10, 1e-8}) {
+        INFO(size << " at " << at.x() << ", gap " << gap);
+        const auto place = [&](double x) { return Vector2d(at + Vector2d(x * size, 0)); };
+        const std::string text = refusal([&] {
+          sequence({{0, line(place(0), place(1))}, {0.5, line(place(1 + gap), place(2))}});
+        });
+        REQUIRE((text == "accepted") == (gap < 1e-9));
+        REQUIRE((refusal([&] {
+                   linear_spline({place(0), place(1), place(1 + gap), place(2)});
+                 }) == "accepted") == (gap > 1e-9));
+        REQUIRE(linear_spline({place(0), at + Vector2d(0, size), place(1), place(gap)}).closed ==
+                (gap < 1e-9));
+        if (text == "accepted") continue;
+        const std::size_t one = text.find('('), other = text.rfind('(');
+        REQUIRE(text.substr(one, text.find(')') - one) !=
+                text.substr(other, text.rfind(')') - other));
+      }
+}
+
+TEST_CASE("at a knot a path has a tangent of what begins and one of what ends") {
+  const Path corner = linear_spline({{0, 0}, {1, 0}, {1, 2}, {0, 0}});
+  CHECK(near(corner(1).d, {0, 2}));
+  CHECK(near(corner.behind(1).d, {1, 0}));
+  CHECK(near(corner.behind(0).d, {-1, -2}));  // closed
+  for (const double q : {0.0, 1.0, 2.0, 3.0, -5.0}) CHECK(corner.is_knot(q));
+  for (const double q : {0.1, 1.5, 1 + 1e-9}) CHECK_FALSE(corner.is_knot(q));
+  CHECK_FALSE(line({0, 0}, {1, 0}).is_knot(1));
+  // A cusp, where x turns back: x' is zero on both sides, and the way on is the way there.
+  const Path cusp = hermite_spline({{0, 0}, {1, 0}, {0, 1}}, {{1, 0}, {0, 0}, {0, 1}});
+  const ByLength by(cusp);
+  CHECK(near(by.tangent(1, true), {1, 0}));
+  CHECK(by.tangent(1).x() < -0.1);
 }

@@ -59,7 +59,18 @@ mechanics::Verdict judge(const mechanics::Watch& watch, const std::vector<Quanti
     if (quantities[k].unit == "rad") angle = std::max(angle, errors[k]);
     if (quantities[k].unit == "m/s") velocity = std::max(velocity, errors[k]);
   }
-  return watch.verdict(position, angle, velocity);
+  mechanics::Verdict verdict = watch.verdict(position, angle, velocity);
+  for (std::size_t k = 0; k < errors.size() && k < quantities.size(); ++k) {
+    const auto& [name, unit, largest] = quantities[k];
+    const double most = largest ? largest() : 0.0, part = errors[k] / most;
+    if (errors[k] > mechanics::Watch::far * most && most > 0.0)
+      verdict.faults.push_back({name,
+                                "the " + name + " is off by " + mechanics::in_digits(errors[k]) +
+                                    " " + unit + ", " + mechanics::in_digits(100.0 * part) +
+                                    " % of its largest",
+                                mechanics::Trouble::late});
+  }
+  return verdict;
 }
 
 std::vector<Rung> climb(const Ladder& ladder, const Start& start, const Errors& errors,

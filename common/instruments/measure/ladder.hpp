@@ -15,6 +15,8 @@ namespace measure {
 struct Quantity {
   std::string name;  ///< "position"
   std::string unit;  ///< "m"; one in m or rad tells where the scene is
+  /// Of one that the scene is about besides: its largest exact value, of which an error is a part.
+  std::function<double()> largest = {};
 };
 
 /// The verdict at the end of a run, where the errors of its quantities are known.

@@ -16,14 +16,14 @@ std::string said(double value, const char* unit) { return in_digits(value) + " "
 
 std::string percent(double part) {
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), part < 0.1 || part > 1e4 ? "%.2g %%" : "%.0f %%",
-                100.0 * part);
+  std::snprintf(text.data(), text.size(), part < 0.1 ? "%.2g %%" : "%.0f %%", 100.0 * part);
   return text.data();
 }
 
 constexpr double closed = 1e-9;     // of the coordinates: a start that is no further off
 constexpr double rounding = 1e-12;  // of an energy, gathered over a long run
 constexpr double rounding_of_a_run = 1e-11;
+constexpr double of_nothing = 1e3;      // a larger part is one of next to nothing, and not told
 constexpr double unstable_may = 100.0;  // times the start, before feedback that grows is stopped
 
 }  // namespace
@@ -160,8 +160,9 @@ Verdict::Fault Watch::fault(const char* what, const std::string& which, double v
                       : std::string_view(what) == "velocity" ? "of the largest speed"
                                                              : "of the scene's size";
   std::string words = which + " " + said(value, unit);
-  if (std::isfinite(part)) words += ", " + percent(part) + " " + whole;  // else nothing moved
-  if (std::isfinite(since)) words += " (above 1 % since t = " + said(since, "s") + ")";
+  if (part < of_nothing) words += ", " + percent(part) + " " + whole;
+  if (part < of_nothing && std::isfinite(since))
+    words += " (above 1 % since t = " + said(since, "s") + ")";
   return {what, words, std::isfinite(since) ? Trouble::wrong : Trouble::late};
 }
 
@@ -210,10 +211,12 @@ void Watch::judge_tolerance(double error, Verdict& verdict) const {
   const bool state_off = error > std::max(grown, rounding_of_a_run) * size;
   if (!energy_off && !state_off) return;
   std::string words = "the tolerance of " + in_digits(tolerance) + " was not kept: ";
-  words += energy_off
-               ? "the energy balance is off by " + in_digits(energy_.most() / largest_kinetic_) +
-                     " of the largest kinetic energy"
-               : "the state is off by " + in_digits(error / size) + " of its size";
+  words += energy_off ? "the energy balance is off by " +
+                            (energy_.most() < of_nothing * largest_kinetic_
+                                 ? in_digits(energy_.most() / largest_kinetic_) +
+                                       " of the largest kinetic energy"
+                                 : said(energy_.most(), "J"))
+                      : "the state is off by " + in_digits(error / size) + " of its size";
   if (collapsed)
     words += ", and the steps fell to " + in_digits(simulation_.shortest_step() / mean) +
              " of their mean";

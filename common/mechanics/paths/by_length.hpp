@@ -29,7 +29,8 @@ class ByLength {
     if (!std::isfinite(size_)) throw std::invalid_argument("path: its length is not finite");
     known_.push_back({path_.first, 0.0});
     for (std::size_t i = 1; i < ends.size(); ++i) add(ends[i - 1], ends[i]);
-    for (const double q : ends) (void)tangent(q);
+    for (const double q : ends)
+      for (const bool behind : {false, true}) (void)tangent(q, behind);
     last_ = path_.first;
   }
 
@@ -43,7 +44,6 @@ class ByLength {
     return turns * length() + known_[i].s + integral(known_[i].q, q);
   }
 
-  // [invert]
   /// The q at which the length is s. Beyond an open end as if it went on with the same |x′|.
   double q(double s) const {
     const double turns = path_.closed ? std::floor(s / length()) : 0.0;
@@ -55,6 +55,7 @@ class ByLength {
     if (s < 0.0 || s > s_high)
       q = beyond(s);
     else
+      // [invert]
       for (int step = 0; step < 100; ++step) {
         const double excess = s_low + integral(low, q) - s;
         if (std::abs(excess) <= rounding * s) break;
@@ -63,21 +64,22 @@ class ByLength {
         if (!(q > a && q < b)) q = a + (b - a) / 2;
         if (q == a || q == b) break;
       }
+    // [invert]
     last_ = q;
     return q + turns * (path_.last - path_.first);
   }
-  // [invert]
 
-  /// The unit tangent, along growing q; where x′ = 0, as at a cusp, that of the way on, at the end
-  /// of an open path that of the way there. Throws std::invalid_argument where there is none.
-  Vector2d tangent(double q) const {
-    const Place place = path_(q);
+  /// The unit tangent, along growing q, of the way on; behind: of the way there, as at the end of
+  /// an open path. Where x′ = 0, as at a cusp, x″ tells. Throws std::invalid_argument where there
+  /// is none.
+  Vector2d tangent(double q, bool behind = false) const {
+    const Place place = behind ? path_.behind(q) : path_(q);
     const double speed = place.d.norm(), usual = size_ / (path_.last - path_.first);
     if (speed > 1e-12 * usual) return place.d / speed;
     if (!(place.dd.norm() > 1e-12 * usual))
-      throw std::invalid_argument("path: no tangent at q = " + number(q) + ", where x' and x'' " +
+      throw std::invalid_argument("path: no tangent at q = " + in_words(q) + ", where x' and x'' " +
                                   "are zero");
-    return (q < path_.last || path_.closed ? 1.0 : -1.0) * place.dd.normalized();
+    return (behind || (q >= path_.last && !path_.closed) ? -1.0 : 1.0) * place.dd.normalized();
   }
 
  private:
@@ -85,12 +87,6 @@ class ByLength {
     double q, s;
   };
   static constexpr double rounding = 2.0 * std::numeric_limits<double>::epsilon();
-
-  static std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
-  }
 
   /// ∫ |x′| dq on a piece without knots.
   double integral(double from, double to) const {
@@ -117,8 +113,8 @@ class ByLength {
     } else if (parts > 0.0) {
       known_.push_back({to, known_.back().s + parts});
     } else {
-      throw std::invalid_argument("path: no length between q = " + number(from) + " and " +
-                                  number(to));
+      throw std::invalid_argument("path: no length between q = " + in_words(from) + " and " +
+                                  in_words(to));
     }
   }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <limits>
+#include <memory>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -32,45 +32,67 @@ struct Path {
 
   /// At a knot what begins there.
   Place operator()(double q) const { return formula(q - turns(q) * (last - first)); }
+  /// At a knot what ends there.
+  Place behind(double q) const { return (*this)(q - rounding * (last - first)); }
   /// How often q has gone around a closed path.
   double turns(double q) const { return closed ? std::floor((q - first) / (last - first)) : 0.0; }
+  /// Whether q is a knot, or where a closed path begins again.
+  bool is_knot(double q) const {
+    const double at = q - turns(q) * (last - first), near = rounding * (last - first);
+    const auto knot = std::lower_bound(knots.begin(), knots.end(), at - near);
+    return (knot != knots.end() && *knot <= at + near) ||
+           (closed && (at <= first + near || at >= last - near));
+  }
+  static constexpr double rounding = 1e-14;  ///< of the range
 };
 
-inline std::string in_words(const Vector2d& x) {
-  char text[64];
-  std::snprintf(text, sizeof text, "(%g, %g)", x.x(), x.y());
+/// The largest distance [m] of a point from the first.
+inline double extent(const Points& points) {
+  double most = 0.0;
+  for (const Vector2d& point : points) most = std::max(most, (point - points[0]).norm());
+  return most;
+}
+
+/// Whether two points of a path of this extent are one but for rounding.
+inline bool meet(const Vector2d& a, const Vector2d& b, double extent) {
+  return (a - b).norm() <= 1e-9 * extent + 1e-15 * a.norm();
+}
+
+inline std::string in_words(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.15g", value);
   return text;
 }
-
-/// Whether two points are one but for rounding.
-inline bool meet(const Vector2d& a, const Vector2d& b) {
-  return (a - b).norm() <= 1e-9 * (a.norm() + b.norm());
+inline std::string in_words(const Vector2d& x) {
+  return std::string("(").append(in_words(x.x())).append(", ").append(in_words(x.y())).append(")");
 }
 
-/// For the functions below: so many points, and no two in a row the same.
+/// For the functions below: so many points, not all one and, where pieces would have no length
+/// else, no two in a row.
 inline void check(const std::string& name, const Points& points, std::size_t least,
-                  std::size_t most = std::numeric_limits<std::size_t>::max()) {
-  const std::string needed = std::to_string(least) + (least == most ? "" : " or more");
+                  std::size_t most = 10000, bool apart = false) {
+  const auto refuse = [](const std::string& what) {
+    throw std::invalid_argument("points: " + what);
+  };
   if (points.size() < least || points.size() > most)
-    throw std::invalid_argument("points: a " + name + " needs " + needed + ", not " +
-                                std::to_string(points.size()));
-}
-inline void check_apart(const std::string& name, const Points& points) {
-  for (std::size_t i = 1; i < points.size(); ++i)
-    if (meet(points[i - 1], points[i]))
-      throw std::invalid_argument("points: two in a row of a " + name + " are " +
-                                  in_words(points[i]) +
-                                  ", and a piece without length has no "
-                                  "tangent");
+    refuse("a " + name + " needs " + std::to_string(least) +
+           (least == most ? "" : " to " + std::to_string(most)) + ", not " +
+           std::to_string(points.size()));
+  const double size = extent(points);
+  if (!(size > 0.0)) refuse("all of a " + name + " are " + in_words(points[0]));
+  for (std::size_t i = 1; apart && i < points.size(); ++i)
+    if (meet(points[i - 1], points[i], size))
+      refuse("two in a row of a " + name + " are " + in_words(points[i - 1]) + ", " +
+             in_words(points[i]) + ", and a piece without length has no tangent");
 }
 
-// [simple]
 /// From one point to another, q from 0 to 1.
 inline Path line(const Vector2d& a, const Vector2d& b) {
-  check_apart("line", {a, b});
+  check("line", {a, b}, 2);
   return {[=](double q) { return Place{a + q * (b - a), b - a, Vector2d::Zero()}; }, 0.0, 1.0};
 }
 
+// [simple]
 /// About the origin, lowest at q = 0; q is the angle.
 inline Path circle(double R) {
   const auto formula = [=](double q) {
@@ -147,32 +169,32 @@ inline Path quadratic(const Points& p) {
 }
 
 // [splines]
-/// Segments in a row: q is the number of the segment and the part of it that is behind.
+/// Segments in a row, from each point to the next: q is the number of the segment and the part of
+/// it that is behind.
 template <class Segment>
-Path spline(std::size_t segments, Segment segment) {
+Path spline(const Points& p, Segment segment) {
+  const std::size_t segments = p.size() - 1;
   const auto formula = [=](double q) {
     const double i = std::clamp(std::floor(q), 0.0, static_cast<double>(segments - 1));
     return segment(static_cast<std::size_t>(i), q - i);
   };
   Path path{formula, 0.0, static_cast<double>(segments)};
+  path.closed = meet(p.front(), p.back(), extent(p));
   for (std::size_t i = 1; i < segments; ++i) path.knots.push_back(static_cast<double>(i));
-  path.closed = meet(path(path.first).x, path(path.last).x);
   return path;
 }
 
 inline Path linear_spline(const Points& p) {
-  check("linear_spline", p, 2);
-  check_apart("linear_spline", p);
-  return spline(p.size() - 1, [=](std::size_t i, double u) {
+  check("linear_spline", p, 2, 10000, true);
+  return spline(p, [=](std::size_t i, double u) {
     return Place{p[i] + u * (p[i + 1] - p[i]), p[i + 1] - p[i], Vector2d::Zero()};
   });
 }
 
 /// x grows as on a line, y as half a cosine.
 inline Path cosine_spline(const Points& p) {
-  check("cosine_spline", p, 2);
-  check_apart("cosine_spline", p);
-  return spline(p.size() - 1, [=](std::size_t i, double u) {
+  check("cosine_spline", p, 2, 10000, true);
+  return spline(p, [=](std::size_t i, double u) {
     constexpr double pi = std::numbers::pi;
     const Vector2d way = p[i + 1] - p[i];
     const double c = std::cos(pi * u), rise = way.y() / 2;
@@ -189,10 +211,7 @@ inline Path hermite_spline(const Points& p, const Points& tangents) {
     throw std::invalid_argument("tangents: a hermite_spline needs one at each point, " +
                                 std::to_string(p.size()) + ", not " +
                                 std::to_string(tangents.size()));
-  for (std::size_t i = 1; i < p.size(); ++i)
-    if (meet(p[i - 1], p[i]) && tangents[i - 1].isZero(0.0) && tangents[i].isZero(0.0))
-      check_apart("hermite_spline", p);
-  return spline(p.size() - 1, [=](std::size_t i, double u) {
+  return spline(p, [=](std::size_t i, double u) {
     return bezier(p[i], p[i] + tangents[i] / 3, p[i + 1] - tangents[i + 1] / 3, p[i + 1], u);
   });
 }
@@ -200,8 +219,7 @@ inline Path hermite_spline(const Points& p, const Points& tangents) {
 /// At each point as steep as from the point before to the one after; the ends stand in for what
 /// lies beyond them.
 inline Path catmull_rom(const Points& p) {
-  check("catmull_rom", p, 2);
-  check_apart("catmull_rom", p);
+  check("catmull_rom", p, 2, 10000, true);
   Points tangents;
   for (std::size_t i = 0; i < p.size(); ++i)
     tangents.push_back((p[std::min(i + 1, p.size() - 1)] - p[i == 0 ? 0 : i - 1]) / 2);
@@ -223,27 +241,31 @@ inline Path sequence(const std::vector<Piece>& pieces) {
   for (const Piece& piece : pieces) cues.push_back(piece.cue);
   cues.push_back(1.0);
   for (std::size_t i = 0; i < pieces.size(); ++i)
-    if (cues[0] != 0.0 || !(cues[i] < cues[i + 1]))
-      throw std::invalid_argument("sequence: cues begin with 0, grow and stay below 1");
+    if (cues[0] != 0.0 || !(cues[i + 1] - cues[i] >= 1e-6))
+      throw std::invalid_argument("sequence: cues begin with 0, grow by 1e-6 and stay below 1");
+  const auto parts = std::make_shared<const std::vector<Piece>>(pieces);
   const auto scale = [=](std::size_t i) {
-    return (pieces[i].path.last - pieces[i].path.first) / (cues[i + 1] - cues[i]);
+    return ((*parts)[i].path.last - (*parts)[i].path.first) / (cues[i + 1] - cues[i]);
   };
   const auto formula = [=](double q) {
     const auto next = std::upper_bound(cues.begin() + 1, cues.end() - 1, q);
     const auto i = static_cast<std::size_t>(next - cues.begin()) - 1;
-    const Path& path = pieces[i].path;
+    const Path& path = (*parts)[i].path;
     const double k = scale(i);
     // The end of a whole is the end of its last piece, to the last digit.
     const Place place = path.formula(q == cues[i + 1] ? path.last : path.first + k * (q - cues[i]));
     return Place{place.x, k * place.d, k * k * place.dd};
   };
   Path whole{formula, 0.0, 1.0};
+  Points places;  // some, for their extent
+  for (int k = 0; k <= 64; ++k) places.push_back(formula(k / 64.0).x);
+  const double size = extent(places);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Path& path = pieces[i].path;
     if (i > 0) {
       const Vector2d end = pieces[i - 1].path.formula(pieces[i - 1].path.last).x,
                      begin = path.formula(path.first).x;
-      if (!meet(end, begin))
+      if (!meet(end, begin, size))
         throw std::invalid_argument("sequence: pieces " + std::to_string(i) + " and " +
                                     std::to_string(i + 1) + " do not meet: " + in_words(end) +
                                     ", " + in_words(begin));
@@ -252,7 +274,7 @@ inline Path sequence(const std::vector<Piece>& pieces) {
     for (const double knot : path.knots)
       whole.knots.push_back(cues[i] + (knot - path.first) / scale(i));
   }
-  whole.closed = meet(whole(0.0).x, whole(1.0).x);
+  whole.closed = meet(whole.formula(0.0).x, whole.formula(1.0).x, size);
   return whole;
 }
 // [sequence]

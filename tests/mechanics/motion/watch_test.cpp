@@ -168,6 +168,10 @@ TEST_CASE("an error against the exact answer counts in parts of the scene's size
   const std::vector<measure::Quantity> radians{{"angle", "rad"}};  // of a rod of half a metre
   CHECK(measure::judge(watch, radians, {0.039}).right());
   CHECK_FALSE(measure::judge(watch, radians, {0.045}).right());
+  const std::vector<measure::Quantity> torques{{"torque", "N·m", [] { return 2.0; }}};
+  CHECK(measure::judge(watch, torques, {0.019}).right());
+  CHECK(measure::judge(watch, torques, {0.03}).text() ==
+        "the torque is off by 0.03 N·m, 1.5 % of its largest");
 }
 
 TEST_CASE("at rest rounding is no energy error, an open start is none that is taken away") {
