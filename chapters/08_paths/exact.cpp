@@ -53,24 +53,30 @@ EnergyMotion::EnergyMotion(Wire wire, double g, const State& start)
                                   : (falls(1) ? 1 : -1);
   legs_.push_back(leg(q0, direction, wire_.depth(q0), v0 * v0));
   for (int i = 1; i < 3 && legs_.back().turns; ++i) {
-    const double turn = legs_.back().to;
+    const double turn = legs_.back().from + legs_.back().whole;
     legs_.push_back(leg(turn, i == 1 ? -direction : direction, wire_.depth(turn), 0.0));
   }
 }
 
-double EnergyMotion::Leg::q(double phi) const {
+double EnergyMotion::Leg::way(double phi) const {
   // From both ends, so that what is left to them is exact.
   const double part = std::pow(std::sin(phi / 2), 2), rest = std::pow(std::cos(phi / 2), 2);
-  return phi < pi / 2 ? from + (to - from) * part : to - (to - from) * rest;
+  return phi < pi / 2 ? whole * part : whole - whole * rest;
 }
 
-double EnergyMotion::energy(const Leg& leg, double q) const {
-  // A small fall would be lost in the rounding of its two depths.
-  const double fall = std::abs(q - leg.from) < leg.near
-                          ? boost::math::quadrature::gauss<double, 10>::integrate(
-                                wire_.slope, std::min(leg.from, q), std::max(leg.from, q)) *
-                                (q < leg.from ? -1 : 1)
-                          : wire_.depth(q) - leg.y0;
+double EnergyMotion::energy(const Leg& leg, double way) const {
+  if (std::abs(way) > 0.05 * (wire_.last - wire_.first) ||
+      (leg.ends.size() > 2 && std::abs(way) > std::abs(leg.ends[2])))
+    return leg.v2 + 2 * g_ * (wire_.depth(leg.from + way) - leg.y0);
+  // A small fall, which would be lost in the rounding of its two depths, from knot to knot.
+  double fall = 0.0, begin = 0.0;
+  for (std::size_t i = 0; i <= leg.ends.size() && begin != way; ++i) {
+    const bool last = i == leg.ends.size() || std::abs(leg.ends[i]) > std::abs(way);
+    const double end = last ? way : leg.ends[i], half = (end - begin) / 2;
+    fall += half * boost::math::quadrature::gauss<double, 10>::integrate(
+                       [&](double x) { return wire_.slope(leg.from + (begin + half + half * x)); });
+    begin = end;
+  }
   return leg.v2 + 2 * g_ * fall;
 }
 
@@ -82,8 +88,8 @@ bool EnergyMotion::is_knot(double q) const {
 }
 
 double EnergyMotion::dt_dphi(const Leg& leg, double phi) const {
-  const double q = leg.q(phi), v2 = energy(leg, q);
-  return std::abs(leg.to - leg.from) / 2 * std::sin(phi) * wire_.stretch(q) /
+  const double way = leg.way(phi), v2 = energy(leg, way);
+  return std::abs(leg.whole) / 2 * std::sin(phi) * wire_.stretch(leg.from + way) /
          std::sqrt(std::max(v2, std::numeric_limits<double>::min()));
 }
 
@@ -94,47 +100,46 @@ double EnergyMotion::time(const Leg& leg, double from, double to) const {
 
 EnergyMotion::Leg EnergyMotion::leg(double from, int direction, double y0, double v2) {
   const double width = wire_.last - wire_.first;
-  // Knots and, on a closed wire, where it begins again, in the order of the way.
+  // Knots and, on a closed wire, where it begins again, in the order of the way, from its
+  // beginning.
   std::vector<double> ends;
   for (const double turn :
        wire_.closed ? std::vector{-2.0, -1.0, 0.0, 1.0, 2.0} : std::vector{0.0}) {
     const double shift =
         (turn + (wire_.closed ? std::floor((from - wire_.first) / width) : 0)) * width;
-    for (const double knot : wire_.knots) ends.push_back(knot + shift);
-    ends.push_back(wire_.first + shift);
-    ends.push_back(wire_.last + shift);
+    for (const double knot : wire_.knots) ends.push_back(knot + shift - from);
+    ends.push_back(wire_.first + shift - from);
+    ends.push_back(wire_.last + shift - from);
   }
-  if (wire_.closed) ends.push_back(from + direction * width);
+  if (wire_.closed) ends.push_back(direction * width);
   std::sort(ends.begin(), ends.end(),
             [&](double a, double b) { return direction * a < direction * b; });
   std::erase_if(ends, [&](double q) {
-    return direction * (q - from) <= 0.0 ||
-           (wire_.closed && direction * (q - from) > width * (1 + 1e-15));
+    return direction * q <= 0.0 || (wire_.closed && direction * q > width * (1 + 1e-15));
   });
 
-  Leg leg{from, ends.empty() ? from : ends.back(), false, y0, v2};
-  leg.near = ends.empty() ? 0.0 : std::min(std::abs(ends.front() - from), 0.05 * width);
-  const auto moves = [&](double q) { return energy(leg, q) > 0.0; };
+  Leg leg{from, ends.empty() ? 0.0 : ends.back(), false, y0, v2, ends};
+  const auto moves = [&](double way) { return energy(leg, way) > 0.0; };
   const int looks =  // between two knots
       std::clamp(20000 / static_cast<int>(wire_.knots.size() + 1), 20, 1000);
-  double before = from;
+  double before = 0.0;
   bool moved = v2 > 0.0;
   for (const double end : ends) {
     const double begin = before;
-    for (int k = begin == from ? -40 : 1; k <= looks && !leg.turns; ++k) {  // small swings, too
+    for (int k = begin == 0.0 ? -40 : 1; k <= looks && !leg.turns; ++k) {  // small swings, too
       const double part = k > 0 ? k : std::ldexp(1.0, k - 1);
-      const double q = k == looks ? end : begin + (end - begin) * part / looks;
-      moved = moved || k > 1 || moves(q);
-      if (moved && !moves(q)) {
-        double low = before, high = q;
+      const double way = k == looks ? end : begin + (end - begin) * part / looks;
+      moved = moved || k > 1 || moves(way);
+      if (moved && !moves(way)) {
+        double low = before, high = way;
         for (int i = 0; i < 200; ++i) {
           const double middle = low + (high - low) / 2;
           (moves(middle) ? low : high) = middle;
         }
-        leg.to = high;
+        leg.whole = high;
         leg.turns = true;
       }
-      if (!leg.turns) before = q;
+      if (!leg.turns) before = way;
     }
     if (leg.turns) break;
   }
@@ -143,7 +148,7 @@ EnergyMotion::Leg EnergyMotion::leg(double from, int direction, double y0, doubl
   constexpr int pieces = 64;
   for (int i = 0; i <= pieces; ++i) cuts.push_back(pi * i / pieces);
   for (const double end : ends) {
-    const double cosine = 1 - 2 * (end - from) / (leg.to - from);
+    const double cosine = 1 - 2 * end / leg.whole;
     if (std::abs(cosine) < 1) cuts.push_back(std::acos(cosine));
   }
   std::sort(cuts.begin(), cuts.end());
@@ -170,8 +175,8 @@ State EnergyMotion::in(const Leg& leg, double t) const {
     if (std::abs(step - phi) <= 1e-16 * pi) break;
     phi = step;
   }
-  const double q = leg.q(phi);
-  return {q, std::copysign(std::sqrt(std::max(0.0, energy(leg, q))), leg.to - leg.from)};
+  const double way = leg.way(phi);
+  return {leg.from + way, std::copysign(std::sqrt(std::max(0.0, energy(leg, way))), leg.whole)};
 }
 
 std::optional<State> EnergyMotion::at(double t) const {
@@ -186,7 +191,7 @@ std::optional<State> EnergyMotion::since_last_round(double t) const {
   if (legs_.size() == 1 && wire_.closed) {  // around and around
     const double round = legs_[0].duration(), rounds = std::floor(t / round);
     State state = in(legs_[0], t - rounds * round);
-    state.q += rounds * (legs_[0].to - legs_[0].from);
+    state.q += rounds * legs_[0].whole;
     return state;
   }
   for (const Leg& leg : legs_) {

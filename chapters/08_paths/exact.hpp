@@ -50,22 +50,22 @@ class EnergyMotion {
  private:
   /// A way on which q grows or falls, cut into pieces, with the time at which each begins.
   struct Leg {
-    double from, to;
-    bool turns;         ///< at `to`, else it leaves the wire there, or goes around
-    double y0;          ///< a depth at which
-    double v2;          ///< the square of the speed is this
-    double near = 0.0;  ///< of `from`, without a knot between
+    double from, whole;        ///< where it begins, and how far it goes, with its sign
+    bool turns;                ///< at its end, else it leaves the wire there, or goes around
+    double y0;                 ///< a depth at which
+    double v2;                 ///< the square of the speed is this
+    std::vector<double> ends;  ///< of smooth pieces of the wire, from its beginning
     struct Cut {
       double phi, t;
     };
     std::vector<Cut> cuts = {};
 
-    double q(double phi) const;
+    double way(double phi) const;  ///< behind it
     double duration() const { return cuts.back().t; }
   };
 
   bool is_knot(double q) const;
-  double energy(const Leg& leg, double q) const;
+  double energy(const Leg& leg, double way) const;
   double dt_dphi(const Leg& leg, double phi) const;
   double time(const Leg& leg, double from, double to) const;
   /// The way from a place in a direction, to where its speed is zero or the wire ends.

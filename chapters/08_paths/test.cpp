@@ -304,6 +304,25 @@ TEST_CASE("the exact answer of a small swing is that of the linear pendulum") {
     CHECK(motion.at(t)->q == Approx(2 * std::asin(k * boost::math::jacobi_sn(k, w * t))));
 }
 
+TEST_CASE("the exact answer of a small swing in a corner is a parabola on each side") {
+  Scene scene = scene_of("linear_spline", "length");
+  scene.points = "0,0 1,1 2,0";
+  scene.q0 = 1;
+  const double a = 9.81 / std::sqrt(2);
+  for (const double v : {1e-4, 1e-2, 1.0}) {
+    scene.speed = v;
+    const double back = 2 * v / a;  // when it is in the corner again
+    for (const double part : {0.3, 0.5, 0.8}) {
+      const double t = part * back, s = v * t - a * t * t / 2;
+      INFO(v << " m/s, at " << part);
+      REQUIRE(exact_motion(scene)(t));
+      CHECK(exact_motion(scene)(t)->q - 1 == Approx(s / std::sqrt(2)).epsilon(1e-6));
+      REQUIRE(exact_motion(scene)(t + 3 * back));  // on the other side
+      CHECK(exact_motion(scene)(t + 3 * back)->q - 1 == Approx(-s / std::sqrt(2)).epsilon(1e-6));
+    }
+  }
+}
+
 TEST_CASE("in a corner the bead rests, starts down the lower side, or has two ways to go") {
   using enum integrators::Scheme;
   for (const char* by : {"parameter", "length"}) {
