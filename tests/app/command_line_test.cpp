@@ -612,7 +612,7 @@ bool whole_png(const fs::path& path) {
 
 TEST_CASE("on a terminal long work says how far it is, however long a step takes") {
   const std::vector<std::string> runs{
-      " run --links 300 --integrator implicit_midpoint --step 0.0005",
+      " run --links 1000 --integrator implicit_midpoint --step 0.0005",
       " run --links 300 --integrator dop853 --tolerance 1e-9 --step 5",  // one interval
   };
   for (const std::string& run : runs) {

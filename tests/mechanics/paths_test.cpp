@@ -74,7 +74,7 @@ TEST_CASE("x' and x'' are the derivatives of x, by finite differences inside eve
         const double width = ends[i] - ends[i - 1], q = ends[i - 1] + part(generator) * width;
         const double h = 5e-4 * width;
         INFO(name << " at " << q);
-        const auto x = [&](int k) { return path(q + k * h).x; };
+        const auto x = [&, &path = path](int k) { return path(q + k * h).x; };
         const Vector2d d = (8 * (x(1) - x(-1)) - (x(2) - x(-2))) / (12 * h);
         const Vector2d dd = (16 * (x(1) + x(-1)) - (x(2) + x(-2)) - 30 * x(0)) / (12 * h * h);
         const double size = path(q).d.norm() + path(q).dd.norm() * width;
