@@ -184,7 +184,8 @@ void report_orders(const std::filesystem::path& out) {
     fmt::print("{}\n", (out / name).string());
   };
   write("orders.csv", csv.csv());
-  write("orders.png", draw::encode_png(draw::render({}, orders_picture(all).draw)));
+  write("orders.png",
+        draw::encode_png(draw::render({.captions = false}, orders_picture(all).draw)));
 }
 
 }  // namespace

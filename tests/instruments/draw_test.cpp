@@ -380,13 +380,14 @@ TEST_CASE("long, broken and endless lines are drawn") {
   CHECK_FALSE(same(pixel(image, 20, 180), ink));
 }
 
-TEST_CASE("a letter after a letter and _ is a subscript, but not in a name") {
+TEST_CASE("one or two letters after a letter and _ are a subscript, but not in a name") {
   render({.width = 100, .height = 50, .scale = 10}, [](Pen& pen) {
     const auto width = [&](const char* text) { return pen.text_width(text); };
     const double k = width("k"), d = width("d");
     CHECK(width("k_d") == Approx(k + 0.75 * d).margin(0.2));
     CHECK(width("(k_d k)²") == Approx(width("(k k)²") + 0.75 * d).margin(0.4));
-    for (const char* name : {"rk_dd", "kk_d", "k_2_d", "k_", "_d"}) {
+    CHECK(width("k_dd") == Approx(k + 1.5 * d).margin(0.4));
+    for (const char* name : {"rk_dd", "kk_d", "k_2_d", "k_ddd", "k_", "_d"}) {
       INFO(name);
       double sum = 0;
       for (const char* c = name; *c != 0; ++c) sum += width(std::string(1, *c).c_str());

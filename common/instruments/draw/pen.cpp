@@ -299,8 +299,8 @@ struct Run {
   bool subscript;
 };
 
-/// A letter, `_` and a letter, alone as in "k_d h": the second is a subscript. In a name with `_`
-/// ("semi_implicit_euler") there is none.
+/// A letter, `_` and one or two letters, alone as in "k_d h": these are a subscript. In a name with
+/// `_` ("semi_implicit_euler") there is none.
 std::vector<Run> runs_of(std::string_view utf8) {
   const auto in_word = [&](std::size_t i) {
     return i < utf8.size() && (std::isalnum(static_cast<unsigned char>(utf8[i])) || utf8[i] == '_');
@@ -309,10 +309,11 @@ std::vector<Run> runs_of(std::string_view utf8) {
   std::size_t begin = 0;
   for (std::size_t i = 1; i + 1 < utf8.size(); ++i) {
     if (utf8[i] != '_' || !in_word(i - 1) || !in_word(i + 1)) continue;
-    if ((i > 1 && in_word(i - 2)) || in_word(i + 2)) continue;
+    const std::size_t letters = in_word(i + 2) ? 2 : 1;
+    if ((i > 1 && in_word(i - 2)) || in_word(i + 1 + letters) || utf8[i + letters] == '_') continue;
     runs.push_back({utf8.substr(begin, i - begin), false});
-    runs.push_back({utf8.substr(i + 1, 1), true});
-    begin = i + 2;
+    runs.push_back({utf8.substr(i + 1, letters), true});
+    begin = i + 1 + letters;
   }
   runs.push_back({utf8.substr(begin), false});
   return runs;
