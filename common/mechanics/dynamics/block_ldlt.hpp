@@ -117,7 +117,7 @@ class BlockLdlt {
   template <int all>
   void factor_blocks(double damping, double smallest);
   template <int all>
-  void solve_blocks(double* x) const;
+  void solve_blocks(double* x, double faded) const;
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
   int size_ = 0;

@@ -65,7 +65,7 @@ void Evaluation::analyse(const System& system) {
         if (a.joint != b.joint && K_.after(a.joint, b.joint))
           pairs_.push_back({a.r, b.r, a.dof, column, a.J, b.J, K_.block(a.joint, b.joint)});
 
-  for (int i = 0; JointInfo & joint : layout_.joints) joint.K = K_.block(i, i), ++i;
+  for (int i = 0; JointInfo & joint : layout_.joints) joint.at.K = K_.block(i, i), ++i;
 
   F0_ = system.weights();
   for (VectorXd* x : {&a_, &F_, &q_}) x->setZero(F0_.size());
@@ -102,7 +102,7 @@ void Evaluation::add_J(double sign, const VectorXd& x, VectorXd& y) const {
 void Evaluation::add_Jt(const VectorXd& y, VectorXd& x) const {
   for_each_block_of_J([&](const Layout::JBlock& block, auto r, auto dof) {
     const ConstBlock<r, dof> J(J_.data() + block.J);
-    const ConstBlock<r, 1> y_joint(y.data() + block.row);
+    const Eigen::Vector<double, r> y_joint = ConstBlock<r, 1>(y.data() + block.row);
     Block<dof, 1>(x.data() + block.column) += J.transpose().lazyProduct(y_joint);
   });
 }
@@ -110,17 +110,22 @@ void Evaluation::add_Jt(const VectorXd& y, VectorXd& x) const {
 // K = J W J^T, factored: the joints wrote its diagonal blocks, here are those between two joints.
 void Evaluation::factor(double damping) {
   double* const K = K_.K().data();
+  const double *const J = J_.data(), *const W = layout_.W.data();
   alike(K_.size(), [&](auto all_r) {
     alike(dof_, [&](auto all_dof) {
       for (const Pair& pair : pairs_)
         fixed<all_dof>(pair.dof, [&](auto dof) {
           fixed<all_r>(pair.r_a, [&](auto r_a) {
             fixed<all_r>(pair.r_b, [&](auto r_b) {
-              const ConstBlock<dof, 1> W(layout_.W.data() + pair.column);
-              const ConstBlock<r_a, dof> J_a(J_.data() + pair.J_a);
-              const ConstBlock<r_b, dof> J_b(J_.data() + pair.J_b);
-              const Eigen::Matrix<double, r_a, dof> J_a_W = J_a * W.asDiagonal();
-              Block<r_a, r_b>(K + pair.K) += J_a_W.lazyProduct(J_b.transpose());
+              const ConstBlock<r_a, dof> J_a(J + pair.J_a);
+              const ConstBlock<r_b, dof> J_b(J + pair.J_b);
+              const double* const W_thing = W + pair.column;
+              Eigen::Matrix<double, r_a, r_b> K_ab = Block<r_a, r_b>(K + pair.K);
+              for (int k = 0; k < dof; ++k) {
+                const Eigen::Vector<double, r_a> JW = J_a.col(k) * W_thing[k];
+                for (int j = 0; j < r_b; ++j) K_ab.col(j) += JW * J_b(j, k);
+              }
+              Block<r_a, r_b>(K + pair.K) = K_ab;
             });
           });
         });
@@ -150,7 +155,7 @@ void Evaluation::check(const char* who, JointHandle handle) const {
 VectorXd Evaluation::lambda(JointHandle joint) const {
   check("lambda", joint);
   const JointInfo& j = layout_.joints[std::size_t(joint.index)];
-  return lambda_.segment(j.row, j.r);
+  return lambda_.segment(j.at.row, j.r);
 }
 
 Vector3d Evaluation::reaction(JointHandle joint, int column) const {
@@ -251,15 +256,15 @@ std::vector<JointRow> Evaluation::dependent_rows() const {
   std::vector<JointRow> rows;
   for (const JointInfo& joint : layout_.joints)
     for (int k = 0; k < joint.r; ++k)
-      if (independence(joint.row + k) == 0) rows.push_back({joint.name, k + 1});
+      if (independence(joint.at.row + k) == 0) rows.push_back({joint.name, k + 1});
   return rows;
 }
 
 RowState Evaluation::row_state(Eigen::Index row) const {
   if (layout_.joints.empty()) throw std::logic_error("a scene without joints has no rows");
   const auto joint = std::find_if(layout_.joints.rbegin(), layout_.joints.rend(),
-                                  [&](auto& j) { return j.row <= row; });
-  const int k = static_cast<int>(row) - joint->row;
+                                  [&](auto& j) { return j.at.row <= row; });
+  const int k = static_cast<int>(row) - joint->at.row;
   return {{joint->name, k + 1}, joint->unit[k], C_[row], independence(row)};
 }
 

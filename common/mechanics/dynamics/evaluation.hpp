@@ -50,12 +50,12 @@ struct Counts {
   std::size_t workspace_bytes;  ///< all that one evaluation touches besides
 };
 
-/// A joint's name, the unit of each of its rows, how many these are, the first of them, and where
-/// its blocks of J and K begin.
+/// A joint's name, the unit of each of its rows, how many these are, and where they stand.
 struct JointInfo {
   std::string name;
   const char* const* unit;
-  int r, row, J, K;
+  int r;
+  JointPlace at;
 };
 
 /// What stands where: things, joints, blocks of J; inertia M of each coordinate and its inverse W.
@@ -177,10 +177,9 @@ class Evaluation {
   void add_J(double sign, const VectorXd& x, VectorXd& y) const;
   void add_Jt(const VectorXd& y, VectorXd& x) const;
   void factor(double damping = 0);
-  JointPlace place(const JointInfo& joint) {
-    return {C_.data() + joint.row,   size_.data() + joint.row, Cdot_.data() + joint.row,
-            C_t_.data() + joint.row, b_.data() + joint.row,    K_.K().data() + joint.K,
-            J_.data() + joint.J};
+  Equation equation() {
+    return {C_.data(), size_.data(),  Cdot_.data(), C_t_.data(),
+            b_.data(), K_.K().data(), J_.data()};
   }
 
   void find_weak_rows();

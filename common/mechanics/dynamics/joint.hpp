@@ -42,22 +42,26 @@ struct Things {
   const Body& operator[](Handle<Body> b) const { return bodies[std::size_t(b.index)].thing; }
 };
 
-/// Where a joint writes its part of equation 1: its rows of C, of the sizes of C's terms, of
-/// Cdot = J v + C_t, of C_t, which nobody writes but joints that depend on time, and of
-/// b = -Jdot_v - C_tt - J W F, its diagonal block of J W J^T, and its blocks J1, J2 one behind the
-/// other, each column by column.
-struct JointPlace {
+/// Equation 1 as flat arrays: C, the sizes of its terms, Cdot = J v + C_t, C_t, which nobody writes
+/// but joints that depend on time, b = -Jdot_v - C_tt - J W F, the blocks of J W J^T, and those of
+/// J.
+struct Equation {
   double *C, *size, *Cdot, *C_t, *b, *JWJt, *J;
+};
+/// Where in these a joint writes: its first row, its diagonal block of J W J^T, and its blocks J1,
+/// J2 one behind the other, each column by column.
+struct JointPlace {
+  int row, K, J;
 };
 
 /// A joint whose types and sizes are forgotten.
 struct AnyJoint {
   virtual ~AnyJoint() = default;
-  /// Writes C, J, b and JWJt. W and a = W F have an entry for each coordinate.
-  virtual void equation(double t, const Things&, const VectorXd& W, const VectorXd& a,
-                        const JointPlace& place) const = 0;
+  /// Writes C, J, b and JWJt. W and F have an entry for each coordinate.
+  virtual void equation(double t, const Things&, const VectorXd& W, const VectorXd& F,
+                        const Equation& all, const JointPlace& place) const = 0;
   /// Writes C, its sizes, Cdot and J.
-  virtual void constraint(double t, const Things&, const VectorXd& v,
+  virtual void constraint(double t, const Things&, const VectorXd& v, const Equation& all,
                           const JointPlace& place) const = 0;
 };
 
@@ -82,47 +86,48 @@ struct JointOf final : AnyJoint {
   JointOf(Joint j, Handle<First> f, Handle<Second> s) : joint(std::move(j)), first(f), second(s) {}
 
   // [equation]
-  void equation(double t, const Things& things, const VectorXd& W, const VectorXd& a,
-                const JointPlace& place) const override {
+  [[gnu::flatten]] void equation(double t, const Things& things, const VectorXd& W,
+                                 const VectorXd& F, const Equation& all,
+                                 const JointPlace& place) const override {
     const Rows rows = rows_of(joint, t, things[first], things[second]);
     Eigen::Vector<double, r> b = -rows.Jdot_v;
     if constexpr (depends_on_time) b -= rows.C_tt;
     Eigen::Matrix<double, r, r> JWJt = Eigen::Matrix<double, r, r>::Zero();
-    const auto add = [&](const auto& J, int column) {
-      constexpr int dof = std::decay_t<decltype(J)>::ColsAtCompileTime;
-      const Eigen::Vector<double, dof> W_thing = ConstBlock<dof, 1>(W.data() + column);
-      const Eigen::Matrix<double, r, dof> JW = J * W_thing.asDiagonal();
-      JWJt += JW.lazyProduct(J.transpose());
-      b -= J.lazyProduct(ConstBlock<dof, 1>(a.data() + column));
+    const auto add = [&](const auto& J, int column) {  // column by column, J W is never stored
+      for (int k = 0; k < std::decay_t<decltype(J)>::ColsAtCompileTime; ++k) {
+        const Eigen::Vector<double, r> JW = J.col(k) * W[column + k];
+        for (int j = 0; j < r; ++j) JWJt.col(j) += JW * J(j, k);
+        b -= JW * F[column + k];
+      }
     };
     if constexpr (First::dof > 0) add(rows.J1, first.column);
     if constexpr (Second::dof > 0) add(rows.J2, second.column);
-    Block<r, 1>{place.b} = b;
-    Block<r, r>{place.JWJt} = JWJt;
-    write_C_and_J(rows, place);
+    Block<r, 1>{all.b + place.row} = b;
+    Block<r, r>{all.JWJt + place.K} = JWJt;
+    write_C_and_J(rows, all, place);
   }
   // [equation]
-  void constraint(double t, const Things& things, const VectorXd& v,
-                  const JointPlace& place) const override {
+  [[gnu::flatten]] void constraint(double t, const Things& things, const VectorXd& v,
+                                   const Equation& all, const JointPlace& place) const override {
     const Rows rows = rows_of(joint, t, things[first], things[second]);
     Eigen::Vector<double, r> Cdot = rows.C_t;
     if constexpr (First::dof > 0) Cdot += rows.J1.lazyProduct(part(v, first));
     if constexpr (Second::dof > 0) Cdot += rows.J2.lazyProduct(part(v, second));
-    Block<r, 1>{place.size} = rows.size;
-    Block<r, 1>{place.Cdot} = Cdot;
-    write_C_and_J(rows, place);
+    Block<r, 1>{all.size + place.row} = rows.size;
+    Block<r, 1>{all.Cdot + place.row} = Cdot;
+    write_C_and_J(rows, all, place);
   }
 
   template <class Thing>
   static ConstBlock<Thing::dof, 1> part(const VectorXd& x, Handle<Thing> thing) {
     return ConstBlock<Thing::dof, 1>(x.data() + thing.column);
   }
-  static void write_C_and_J(const Rows& rows, const JointPlace& place) {
-    Block<r, 1>{place.C} = rows.C;
-    if constexpr (depends_on_time) Block<r, 1>{place.C_t} = rows.C_t;
-    if constexpr (First::dof > 0) Block<r, First::dof>{place.J} = rows.J1;
-    constexpr int size_of_J1 = r * First::dof;
-    if constexpr (Second::dof > 0) Block<r, Second::dof>{place.J + size_of_J1} = rows.J2;
+  static void write_C_and_J(const Rows& rows, const Equation& all, const JointPlace& place) {
+    Block<r, 1>{all.C + place.row} = rows.C;
+    if constexpr (depends_on_time) Block<r, 1>{all.C_t + place.row} = rows.C_t;
+    double* const J2 = all.J + place.J + r * First::dof;
+    if constexpr (First::dof > 0) Block<r, First::dof>{all.J + place.J} = rows.J1;
+    if constexpr (Second::dof > 0) Block<r, Second::dof>{J2} = rows.J2;
   }
 
   Joint joint;

@@ -204,7 +204,7 @@ void Evaluation::refuse(Eigen::Index open_row) const {
   double angles = 0;
   for (const JointInfo& joint : layout_.joints)
     for (int k = 0; k < joint.r; ++k)
-      if (std::string_view(joint.unit[k]) == "rad") angles += std::abs(C_[joint.row + k]);
+      if (std::string_view(joint.unit[k]) == "rad") angles += std::abs(C_[joint.at.row + k]);
   const double turns = angles / (2 * std::acos(-1.0));
   const bool whole = turns > 0.5 && std::abs(turns - std::round(turns)) < 1e-6 * turns;
   throw AssemblyError("cannot assemble: " + open.row.joint + " row " +

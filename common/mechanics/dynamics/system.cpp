@@ -62,7 +62,7 @@ JointHandle System::add_joint(const std::string& name, std::unique_ptr<AnyJoint>
     throw std::invalid_argument(name + ": another joint has this name");
   const int joint = static_cast<int>(joints_.size()), row = layout_.rows;
   joints_.push_back(std::move(rows));
-  layout_.joints.push_back({name, unit, r, row, layout_.size_of_J, 0});
+  layout_.joints.push_back({name, unit, r, {row, 0, layout_.size_of_J}});
   for (const Side& side : {first, second}) {
     if (side.dof == 0) continue;
     layout_.J_blocks.push_back({joint, r, row, side.dof, side.column, layout_.size_of_J});
@@ -121,10 +121,10 @@ void System::enter(const VectorXd& q, const VectorXd& v, Evaluation& e) const {
     throw std::invalid_argument("an Evaluation of another System, or of none");
   if (e.revision_ != revision_) e.analyse(*this);
   e.solved_ = false;
-  e.nan_of_state_ = 0;
+  double sum = 0;
   for (auto& [particle, column] : e.things_.particles) {
     particle = {q.segment<2>(column), v.segment<2>(column)};
-    e.nan_of_state_ += (0 * particle.x + 0 * particle.v).sum();
+    sum += (particle.x + particle.v).sum();
   }
   for (auto& [body, column] : e.things_.bodies) {
     body.x = q.segment<2>(column);
@@ -132,29 +132,31 @@ void System::enter(const VectorXd& q, const VectorXd& v, Evaluation& e) const {
     if (body.theta != q[column + 2]) body.A = rotation(q[column + 2]);
     body.theta = q[column + 2];
     body.omega = v[column + 2];
-    e.nan_of_state_ += (0 * body.x + 0 * body.v).sum() + 0 * body.theta + 0 * body.omega;
+    sum += (body.x + body.v).sum() + (body.theta + body.omega);
   }
+  e.nan_of_state_ = 0 * sum;
 }
 
-// All that concerns each joint alone, with a_ = W F: C, J, b and the diagonal blocks of K.
+// All that concerns each joint alone: C, J, b and the diagonal blocks of K.
 void System::find_equation(double t, Evaluation& e) const {
   e.K_.K().setZero();
+  const Equation all = e.equation();
   for (std::size_t i = 0; i < joints_.size(); ++i)
-    joints_[i]->equation(t, e.things_, layout_.W, e.a_, e.place(e.layout_.joints[i]));
+    joints_[i]->equation(t, e.things_, layout_.W, e.F_, all, e.layout_.joints[i].at);
 }
 
 // C, its sizes, J and Cdot at time t in state q, v.
 void System::find_constraint(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
   enter(q, v, e);
+  const Equation all = e.equation();
   for (std::size_t i = 0; i < joints_.size(); ++i)
-    joints_[i]->constraint(t, e.things_, v, e.place(e.layout_.joints[i]));
+    joints_[i]->constraint(t, e.things_, v, all, e.layout_.joints[i].at);
 }
 
-// All of equation 1 but the solution: F, a_ = W F, J, b and C, and the factor of K.
+// All of equation 1 but the solution: F, J, b and C, and the factor of K.
 void System::set_up(double t, const VectorXd& q, const VectorXd& v, Evaluation& e) const {
   enter(q, v, e);
   find_forces(t, e);
-  e.a_ = layout_.W.cwiseProduct(e.F_);
   find_equation(t, e);
   e.factor();
 }

@@ -53,7 +53,7 @@ Evaluation::Geometry Evaluation::geometry() const {
     }
   for (const JointInfo& joint : layout_.joints)
     for (int k = 0; k < joint.r; ++k) {
-      const double x = scene.J_x[joint.row + k], lever = scene.J_theta[joint.row + k] / x;
+      const double x = scene.J_x[joint.at.row + k], lever = scene.J_theta[joint.at.row + k] / x;
       if (x > 0)
         scene.size =
             std::max({scene.size, lever, std::string_view(joint.unit[k]) == "m^2" ? x : 0});
@@ -207,7 +207,7 @@ Vector3d Evaluation::undetermined(JointHandle joint, int column) const {
   const JointInfo& here = layout_.joints[static_cast<std::size_t>(joint.index)];
   for (std::size_t i = kept_; i < weak_.size(); ++i) {
     if (weak_[i].y.size() == 0) continue;
-    const bool own = weak_[i].row >= here.row && weak_[i].row < here.row + here.r;
+    const bool own = weak_[i].row >= here.at.row && weak_[i].row < here.at.row + here.r;
     const bool redundant = std::count(redundant_.begin(), redundant_.end(), weak_[i].row) > 0;
     if (limit_ ? !redundant || !own : !singular_ && !own) continue;
     double force = 0;  // the largest of the combination's, in all joints

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <type_traits>
 
 #include "mechanics/integrators/no_step.hpp"
 
@@ -113,31 +115,52 @@ class Dop853 {
         if (t + 0.01 * h == t) throw NoStep("no step is short enough for the tolerance");
       }
     }
-    q += h * sum<dop853::whole_step>(v_);
-    v += h * sum<dop853::whole_step>(a_);
+    each_entry(q, [&](const auto& at) {
+      at(q) += h * sum<dop853::whole_step>(v_, at);
+      at(v) += h * sum<dop853::whole_step>(a_, at);
+    });
     return h;
   }
 
  private:
   using Stages = std::array<Vector, dop853::stages>;
 
+  /// Calls f(at) for all entries, two at a time, at(x) being those of x: what needs one pass
+  /// through memory takes one.
+  template <class F>
+  static void each_entry(const Vector& like, F&& f) {
+    if constexpr (std::is_same_v<Vector, double>) {
+      f([](auto& x) -> auto& { return x; });
+    } else {
+      Eigen::Index k = 0;
+      for (; k + 1 < like.size(); k += 2)
+        f([k](auto& x) { return Two<decltype(x)>(x.data() + k); });
+      if (k < like.size()) f([k](auto& x) -> auto& { return x[k]; });
+    }
+  }
+
   /// Σ w_j k_j with one row of the weights; those that are 0 are left out.
-  template <std::size_t row, std::size_t j = (row < dop853::stages ? row : dop853::stages) - 1>
-  static auto sum(const Stages& k) {
-    if constexpr (j == 0)
-      return dop853::weights[row][0] * k[0];
-    else if constexpr (dop853::weights[row][j] == 0.0)
-      return sum<row, j - 1>(k);
-    else
-      return sum<row, j - 1>(k) + dop853::weights[row][j] * k[j];
+  template <std::size_t row, std::size_t j = (row < dop853::stages ? row : dop853::stages) - 1,
+            class At>
+  static auto sum(const Stages& k, const At& at) {
+    constexpr double weight = dop853::weights[row][j];
+    if constexpr (weight == 0.0) {
+      return sum<row, j - 1>(k, at);
+    } else {
+      auto part = plain(weight * at(k[j]));
+      if constexpr (j > 0) part = sum<row, j - 1>(k, at) + part;
+      return part;
+    }
   }
 
   template <std::size_t i, class Acceleration>
   void find_stages(Acceleration& acceleration, double t, const Vector& q, const Vector& v,
                    double h) {
     if constexpr (i < dop853::stages) {
-      q_ = q + h * sum<i>(v_);
-      v_[i] = v + h * sum<i>(a_);
+      each_entry(q, [&](const auto& at) {
+        at(q_) = at(q) + h * sum<i>(v_, at);
+        at(v_[i]) = at(v) + h * sum<i>(a_, at);
+      });
       acceleration(t + dop853::c[i] * h, q_, v_[i], a_[i]);
       find_stages<i + 1>(acceleration, t, q, v, h);
     }
@@ -152,10 +175,9 @@ class Dop853 {
     const double q_allowed = tolerance_ * (norm(q) + h * rate) + h * noise;
     const double v_allowed = tolerance_ * rate + noise;
     const auto relative = [&](double q_error, double v_error) {
-      const auto part = [](double error, double allowed) {
-        return error == 0.0 ? 0.0 : error / allowed;
-      };
-      return h * std::hypot(part(q_error, q_allowed), part(v_error, v_allowed));
+      const double q_part = q_error == 0.0 ? 0.0 : q_error / q_allowed;
+      const double v_part = v_error == 0.0 ? 0.0 : v_error / v_allowed;
+      return h * std::sqrt(q_part * q_part + v_part * v_part);
     };
     const double five = relative(size<dop853::error_5>(v_), size<dop853::error_5>(a_));
     const double three = relative(size<dop853::error_3>(v_), size<dop853::error_3>(a_));
@@ -164,8 +186,17 @@ class Dop853 {
 
   template <std::size_t row>
   double size(const Stages& k) {
-    q_ = sum<row>(k);
+    each_entry(q_, [&](const auto& at) { at(q_) = sum<row>(k, at); });
     return norm(q_);
+  }
+
+  template <class X>
+  using Two = Eigen::Map<std::conditional_t<std::is_const_v<std::remove_reference_t<X>>,
+                                            const Eigen::Vector2d, Eigen::Vector2d>>;
+  static double plain(double x) { return x; }
+  template <class Sum>
+  static Eigen::Vector2d plain(const Sum& x) {
+    return x;
   }
 
   static double norm(double x) { return std::abs(x); }

@@ -27,43 +27,56 @@ class Rk4 {
   template <class Acceleration>
   void step(Acceleration&& acceleration, double t, Vector& q, Vector& v, double h) {
     acceleration(t, q, v, a_);
-    each_entry(q, [&](const auto& at) {
-      at(v_sum_) = at(v);
-      at(a_sum_) = at(a_);
-      at(q_) = at(q) + 0.5 * h * at(v);
-      at(v_) = at(v) + 0.5 * h * at(a_);
+    each_entry(q, v, [h](auto e) {
+      e.v_sum = e.v;
+      e.a_sum = e.a_i;
+      e.q_i = e.q + 0.5 * h * e.v;
+      e.v_i = e.v + 0.5 * h * e.a_i;
     });
     acceleration(t + 0.5 * h, q_, v_, a_);
-    each_entry(q, [&](const auto& at) {
-      at(v_sum_) += 2.0 * at(v_);
-      at(a_sum_) += 2.0 * at(a_);
-      at(q_) = at(q) + 0.5 * h * at(v_);
-      at(v_) = at(v) + 0.5 * h * at(a_);
+    each_entry(q, v, [h](auto e) {
+      e.v_sum += 2.0 * e.v_i;
+      e.a_sum += 2.0 * e.a_i;
+      e.q_i = e.q + 0.5 * h * e.v_i;
+      e.v_i = e.v + 0.5 * h * e.a_i;
     });
     acceleration(t + 0.5 * h, q_, v_, a_);
-    each_entry(q, [&](const auto& at) {
-      at(v_sum_) += 2.0 * at(v_);
-      at(a_sum_) += 2.0 * at(a_);
-      at(q_) = at(q) + h * at(v_);
-      at(v_) = at(v) + h * at(a_);
+    each_entry(q, v, [h](auto e) {
+      e.v_sum += 2.0 * e.v_i;
+      e.a_sum += 2.0 * e.a_i;
+      e.q_i = e.q + h * e.v_i;
+      e.v_i = e.v + h * e.a_i;
     });
     acceleration(t + h, q_, v_, a_);
-    each_entry(q, [&](const auto& at) {
-      at(q) += h / 6.0 * (at(v_sum_) + at(v_));
-      at(v) += h / 6.0 * (at(a_sum_) + at(a_));
+    each_entry(q, v, [h](auto e) {
+      e.q += h / 6.0 * (e.v_sum + e.v_i);
+      e.v += h / 6.0 * (e.a_sum + e.a_i);
     });
   }
   // [step]
 
  private:
-  /// Calls f(at) for each entry, at(x) being that of x: what needs one pass through memory takes
-  /// one.
+  /// The same entries of the state, of a stage, and of the sums.
+  template <class Entry>
+  struct Entries {
+    Entry q, v, q_i, v_i, a_i, v_sum, a_sum;
+  };
+
+  /// Calls f for all entries, two at a time: what needs one pass through memory takes one.
   template <class F>
-  static void each_entry(const Vector& like, F&& f) {
-    if constexpr (std::is_same_v<Vector, double>)
-      f([](auto& x) -> auto& { return x; });
-    else
-      for (Eigen::Index k = 0; k < like.size(); ++k) f([k](auto& x) -> auto& { return x[k]; });
+  void each_entry(Vector& q, Vector& v, F&& f) {
+    if constexpr (std::is_same_v<Vector, double>) {
+      f(Entries<double&>{q, v, q_, v_, a_, v_sum_, a_sum_});
+    } else {
+      using Two = Eigen::Map<Eigen::Vector2d>;
+      const auto pass = [&f](Eigen::Index n, auto*... x) {
+        Eigen::Index k = 0;
+        for (; k + 1 < n; k += 2) f(Entries<Two>{Two(x + k)...});
+        if (k < n) f(Entries<double&>{x[k]...});
+      };
+      pass(q.size(), q.data(), v.data(), q_.data(), v_.data(), a_.data(), v_sum_.data(),
+           a_sum_.data());
+    }
   }
 
   Vector q_, v_, a_, v_sum_, a_sum_;

@@ -63,6 +63,8 @@ void compare(bool quick, const std::filesystem::path& out) {
       {"chain.txt", chain}};
   files.emplace_back("slider_crank.png",
                      draw::encode_png(draw::render({}, slider_crank_picture(report).draw)));
+  files.emplace_back("purpose.png",
+                     draw::encode_png(draw::render({}, purpose_picture(report).draw)));
   files.emplace_back("chain.png", draw::encode_png(draw::render({}, chain_picture(report).draw)));
   for (const auto& [name, content] : files) {
     files::write_file(out / name, content);

@@ -9,6 +9,9 @@ namespace peers {
 /// comes.
 pictures::Picture slider_crank_picture(const Report& report);
 
+/// What each engine is for: its run as it comes, beside the words of its makers.
+pictures::Picture purpose_picture(const Report& report);
+
 /// Processor time of a step against the number of links.
 pictures::Picture chain_picture(const Report& report);
 

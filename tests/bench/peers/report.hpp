@@ -15,7 +15,12 @@ struct Report {
 /// The engines of some rows, in their order.
 std::vector<std::string> names(const std::vector<Row>& rows);
 
-/// The cheapest run of an engine whose error is no larger than `level`; null if there is none.
+/// The largest error of a run and of all finer ones of its setting: of a run that is better than
+/// these by luck, where its error passes through zero, nobody can know it.
+double lasting_error(const std::vector<Row>& rows, const Row& row);
+
+/// The cheapest run of an engine whose lasting error is no larger than `level`; null if there is
+/// none.
 const Row* cheapest(const std::vector<Row>& rows, const std::string& engine, double level);
 
 /// The engine's run as it comes; null where it failed or there is none.

@@ -4,6 +4,7 @@
 
 #include "catch.hpp"
 #include "engine.hpp"
+#include "report.hpp"
 
 using namespace peers;
 
@@ -48,6 +49,27 @@ TEST_CASE("every engine that was found comes close to the exact angle of the whe
     CHECK(error(model, state).value() < e.error);
     CHECK(joint_gap(model, state) < 1e-3);
   }
+}
+
+TEST_CASE("a lucky crossing of zero counts for nobody") {
+  const auto row = [](double step, double seconds, double error) {
+    return Row{.engine = "E",
+               .version = "",
+               .setting = "S",
+               .is_default = false,
+               .parts = 3,
+               .rung = Rung::step,
+               .value = step,
+               .steps = 1,
+               .seconds = seconds,
+               .error = error};
+  };
+  const std::vector<Row> rows{row(4, 1, 1e-2), row(2, 2, 1e-9), row(1, 4, 1e-4), row(0.5, 8, 1e-6)};
+  CHECK(lasting_error(rows, rows[1]) == 1e-4);
+  CHECK(cheapest(rows, "E", 1e-2) == &rows[0]);
+  CHECK(cheapest(rows, "E", 1e-4) == &rows[1]);
+  CHECK(cheapest(rows, "E", 1e-6) == &rows[3]);
+  CHECK(cheapest(rows, "E", 1e-8) == nullptr);
 }
 
 TEST_CASE("every engine holds the masses and inertias of the scene") {

@@ -162,6 +162,35 @@ TEST_CASE("the set-up of a chain takes time in proportion to its length") {
   CHECK(seconds([&] { scene(n); }) < 40 * seconds([&] { scene(n / 10); }));
 }
 
+TEST_CASE("what fades along a chain fades to zero, past no number that slows a processor down") {
+  // x_{i-1} + 4 x_i + x_{i+1} = b_i with a load at one end: x_i = -(2 - sqrt 3) x_{i-1}.
+  const int n = 1000;
+  Cliques cliques;
+  for (int i = 1; i < n; ++i) cliques.push_back({i - 1, i});
+  BlockLdlt K;
+  K.analyse(std::vector<int>(index(n), 1), cliques);
+  for (int i = 0; i < n; ++i) {
+    K.K()[K.block(i, i)] = 4;
+    if (i > 0) K.K()[K.after(i, i - 1) ? K.block(i, i - 1) : K.block(i - 1, i)] = 1;
+  }
+  K.factor();
+  for (const bool at_front : {true, false}) {
+    Eigen::VectorXd x = Eigen::VectorXd::Unit(n, at_front ? 0 : n - 1);
+    K.solve(x);
+    if (!at_front) x.reverseInPlace();
+    int numbers = 0, wrong = 0;
+    for (int i = 0; i < n; ++i) {
+      numbers += x[i] != 0;
+      wrong += x[i] != 0 && !(std::abs(x[i]) > 1e-150);
+      const double expected = std::pow(std::sqrt(3.0) - 2, i + 1) * -1;
+      wrong += std::abs(x[i] - expected) > 1e-12 * std::abs(expected) + 1e-139;
+    }
+    CHECK(wrong == 0);
+    CHECK(numbers > 240);
+    CHECK(numbers < 250);
+  }
+}
+
 TEST_CASE("many joints on one thing are solved as long as their factor fits") {
 #ifdef NDEBUG
   const int n = 1000;  // its factor's n^3/6 updates take 0.7 GB
