@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "07_slider_crank/scene.hpp"
 #include "app/study.hpp"
+#include "scene.hpp"
 
 namespace app {
 struct Parameter;

@@ -33,7 +33,7 @@ EnergyMotion::EnergyMotion(Wire wire, double g, const State& start)
     before_ = std::floor((start.q - wire_.first) / round) * round;
     start_.q -= before_;
   }
-  const auto& [q0, v0_given] = start_;
+  const double q0 = start_.q, v0_given = start_.speed;
   const double little = 1e-9 * (wire_.last - wire_.first);
   // A speed that is spent within rounding of the start is none.
   const double spent = v0_given * v0_given / (2 * g_ * std::abs(wire_.slope(q0)));

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using paths::Path;
 
-constexpr std::size_t most = 10000;  // segments of a wire
+constexpr std::size_t most_segments = 10000;  // of a wire
 
 constexpr const char* five_points = "0,0 1,1 2,0.4 3,1.5 4,0.2";
 
@@ -130,7 +130,8 @@ Path sequence_of(const Scene& scene, const std::string& text, const Reading& rea
                         path_of(piece, {reading.folder, reading.depth + 1, reading.left})});
       const std::size_t segments = pieces.back().path.knots.size() + 1;
       if (segments > reading.left)
-        throw std::invalid_argument(fmt::format("with it there are more than {} segments", most));
+        throw std::invalid_argument(
+            fmt::format("with it there are more than {} segments", most_segments));
       if (piece.path != "sequence" || piece.is_default_sequence()) reading.left -= segments;
     } catch (const std::invalid_argument& error) {
       if (std::string(error.what()).starts_with("file ")) throw;  // of a file inside this one
@@ -197,7 +198,7 @@ const Preset& preset(const std::string& path) {
 
 paths::Path path_of(const Scene& scene) {
   try {
-    std::size_t left = most;
+    std::size_t left = most_segments;
     const Path path = path_of(scene, {.left = left});
     if (!path(path.first).x.allFinite() || !path(path.last).x.allFinite())
       throw std::invalid_argument("path: it has no finite ends");
