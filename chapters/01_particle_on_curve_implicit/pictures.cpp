@@ -169,7 +169,7 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
     drifts.push_back(drift(scene, {.integrator = scheme.id}, run.duration, run.step));
   const std::string caption = fmt::format(
       "No stabilization, step {:g} s, {:g} s: explicit Euler reaches |C| = {} m², "
-      "RK4 to {} m², dop853 to {} m².",
+      "RK4 {} m², dop853 {} m².",
       run.step, run.duration, pictures::figure(drifts.front().largest_constraint_error),
       pictures::figure(drifts[3].largest_constraint_error),
       pictures::figure(drifts[4].largest_constraint_error));
@@ -204,7 +204,7 @@ Picture erratum_picture(Scene scene, const RunOptions& run) {
       pictures::drift("50·x·Fx, as derived", right, run.duration, run.step)};
   const std::string caption = fmt::format(
       "With a horizontal force of {:g} N the printed formula reaches |C| = {} m², the "
-      "derived one to {} m².",
+      "derived one {} m².",
       scene.force_x, pictures::figure(drifts[0].largest_constraint_error),
       pictures::figure(drifts[1].largest_constraint_error));
   return pictures::drift_picture("erratum", "The article's misprint, exposed by a horizontal force",
@@ -276,7 +276,7 @@ Picture turned_off_picture(Scene scene, const RunOptions& run) {
     stages[with] = std::make_unique<BeadStage>(scene, part);
   }
   const std::string caption = fmt::format(
-      "Both after {:g} s: without 2 m vx² the particle reaches |C| = {} m², with it to {} m² "
+      "Both after {:g} s: without 2 m vx² the particle reaches |C| = {} m², with it {} m² "
       "(rk4, step {:g} s). The red line shows how far it is from the curve.",
       part.duration, pictures::figure(off[0]), pictures::figure(off[1]), part.step);
   return pictures::beside("turned_off", "A particle on a curve: the term that follows the bend",

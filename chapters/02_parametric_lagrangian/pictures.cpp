@@ -169,7 +169,7 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
   }
   const std::string caption = fmt::format(
       "RK4, step {:g} s, {:g} s: the implicit particle reaches |C| = {} m², the "
-      "parametric one only by rounding; "
+      "parametric one has only round-off error; "
       "the energies are off by at most {} J and {} J.",
       run.step, run.duration, pictures::figure(drifts[4].largest_constraint_error),
       pictures::figure(drifts[4].largest_energy_error),

@@ -294,8 +294,8 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
   for (const auto& scheme : integrators::schemes)
     drifts.push_back(drift(scene, {.integrator = scheme.id}, run.duration, run.step));
   const std::string caption = fmt::format(
-      "No stabilization, step {:g} s, {:g} s: explicit Euler reaches |C| = {} m², RK4 to {} m², "
-      "dop853 to {} m².",
+      "No stabilization, step {:g} s, {:g} s: explicit Euler reaches |C| = {} m², RK4 {} m², "
+      "dop853 {} m².",
       run.step, run.duration, figure(drifts.front().largest_constraint_error),
       figure(drifts[3].largest_constraint_error), figure(drifts[4].largest_constraint_error));
   return pictures::drift_picture("drift", "Two beads and a rod: how five methods let go", caption,

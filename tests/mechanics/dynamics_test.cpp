@@ -693,6 +693,17 @@ TEST_CASE("projection brings positions and velocities to rounding") {
   }
 }
 
+TEST_CASE("velocities whose energy is too small for a number are projected") {
+  for (double size : {1e-150, 1e-160, 1e-170, 1e-300})
+    for (int i = 0; i < 20; ++i) {
+      INFO(size);
+      Scene scene;
+      SliderCrank{}.build(scene);
+      VectorXd q = scene.system.initial_q(), v = size * random_velocity(scene.system);
+      CHECK(scene.system.project(q, v).converged);
+    }
+}
+
 TEST_CASE("projection is the least change in the mass metric") {
   Scene scene;
   SliderCrank crank;

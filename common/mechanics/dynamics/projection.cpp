@@ -71,6 +71,7 @@ void System::factor_here(double t, Evaluation& e, double damping) const {
 // that is not enough. Cdot of a row is compared, through sqrt(K_kk), with the velocity in the mass
 // metric.
 bool System::project_velocities(double t, VectorXd& v, Evaluation& e) const {
+  const double smallest = std::sqrt(std::numeric_limits<double>::min());  // with an energy above 0
   const double before = kinetic_energy(v);
   for (int pass = 1;;
        ++pass) {  // one is always made: in this metric a light thing's error is small
@@ -79,7 +80,7 @@ bool System::project_velocities(double t, VectorXd& v, Evaluation& e) const {
     e.add_J(1, v, e.Cdot_);
     const double rounding = epsilon * std::sqrt(2 * kinetic_energy(v));
     const double error = e.residual(e.Cdot_);
-    if (error <= rounding) return true;
+    if (error <= std::max(rounding, smallest)) return true;
     if (pass == 3)  // of a scene that is brought to rest, the rounding of what it had
       return error <= (e.nearly_dependent_rows() > 0 ? 1e-8 : e.tolerance()) *
                           std::sqrt(2 * std::max(kinetic_energy(v), before));

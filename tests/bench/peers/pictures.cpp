@@ -13,11 +13,12 @@ namespace {
 
 using draw::Point;
 
-/// Colours by rank, dashed when they come round again.
+/// Colours by rank; beyond the theme's, grey and dashed.
 void style(draw::Curve& curve, std::size_t rank, const draw::Theme& theme) {
   curve.marker = rank + rank / theme.series.size();
-  curve.color = theme.series[rank % theme.series.size()];
-  if (rank >= theme.series.size()) curve.dash = draw::Dash::dashed;
+  const bool spare = rank >= theme.series.size();
+  curve.color = spare ? theme.muted : theme.series[rank];
+  if (spare) curve.dash = draw::Dash::dashed;
   curve.thickness = curve.label == ours ? 2.8 : 1.8;
   curve.markers = true;
 }
