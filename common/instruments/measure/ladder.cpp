@@ -32,7 +32,7 @@ void run_for_errors(mechanics::Simulation& simulation, const Errors& errors, con
   rung.energy_error = watch.largest_energy_error();
   rung.evaluations = simulation.evaluations();
   rung.steps = simulation.steps();
-  rung.step = simulation.time() / static_cast<double>(rung.steps);
+  if (rung.tolerance > 0.0) rung.step = simulation.time() / static_cast<double>(rung.steps);
   rung.errors = errors(simulation.row());
   for (const double error : rung.errors)
     if (!std::isfinite(error))
