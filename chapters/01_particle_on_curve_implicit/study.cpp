@@ -40,7 +40,6 @@ measure::Stability stability() {
   using namespace measure::usual;
 
   Stability stability;
-  // [cases]
   stability.cases = {
       // λ∇C balances gravity to some roundings of g: three of them over 10 s are 1.6e-13 m.
       {"at rest at the bottom", "place, m", accurate(2e-13), place({.x0 = 0.0}, rk4, 1000, 0.01)},
@@ -68,7 +67,6 @@ measure::Stability stability() {
       {"1e6 steps, rk4 + feedback", "|C|, m²", accurate(1e-4),
        drift(of({}), feedback(4, 4), 1000000, 0.01)},
   };
-  // [cases]
   stability.add_units(scene_in, {rk4, projected, feedback(4, 4), midpoint, adaptive}, 1000, 0.01);
 
   stability.add_feedback(of({}), {.step = 1e-3, .nudge = 0.01});

@@ -24,13 +24,11 @@ class ParametricBead {
 
   explicit ParametricBead(const parabola::Scene& scene) : scene_(scene) {}
 
-  // [acceleration]
   void acceleration(double, double q, double qdot, double& qddot) const {
     const auto& [x0, m, g, p, Fx, without_velocity_term] = scene_;
     const double velocity_term = without_velocity_term ? 0.0 : -q * qdot * qdot;
     qddot = (velocity_term - p * g * q + p * p * Fx / m) / (p * p + q * q);
   }
-  // [acceleration]
 
   Eigen::Vector2d x(double q) const { return {q, scene_.height(q)}; }
   Eigen::Vector2d v(double q, double qdot) const { return {qdot, -q / scene_.p * qdot}; }

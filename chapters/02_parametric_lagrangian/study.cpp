@@ -75,7 +75,6 @@ measure::Stability stability() {
   using namespace measure::usual;
 
   Stability stability;
-  // [cases]
   stability.cases = {
       {"at rest at the bottom", "place, m", accurate(0.0), place({.x0 = 0.0}, rk4, 1000, 0.01)},
       {"a swing of 1e-6 m", "place, m", accurate(1e-14), place({.x0 = 1e-6}, rk4, 2000, 0.01)},
@@ -94,7 +93,6 @@ measure::Stability stability() {
       {"swings of 100 m, steps of 5 s with rk4", "", refused("kinetic energy"),
        energy_error(of({}), rk4, 1000, 5.0)},
   };
-  // [cases]
   stability.add_units(
       scene_in, {rk4, {Scheme::implicit_midpoint}, {Scheme::dop853, {}, 0, 0, 1e-8}}, 1000, 0.01);
   constexpr double small = 1e-6;

@@ -28,7 +28,6 @@ mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method&
   mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
 
-  // [scene]
   const auto bead1 = system.add_particle("bead1", scene.m1, scene.on_curve(scene.x1));
   const auto bead2 = system.add_particle("bead2", scene.m2, scene.on_curve(scene.x2));
 
@@ -39,7 +38,6 @@ mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method&
       system.add("bead1_bead2", joints::Distance{.length = scene.rod()}, bead1, bead2);
 
   system.set_gravity({0, scene.gravity});
-  // [scene]
 
   mechanism.report("bead1_curve", bead1_curve, bead1);
   mechanism.report("bead2_curve", bead2_curve, bead2);

@@ -60,7 +60,6 @@ measure::Stability stability() {
   using namespace measure::usual;
 
   Stability stability;
-  // [cases]
   stability.cases = {
       {"equal beads level with each other: at rest", "place, m", accurate(1e-9),
        place({.x1 = -60, .x2 = 60, .m1 = 1, .m2 = 1}, projected, 2000, 0.01)},
@@ -95,7 +94,6 @@ measure::Stability stability() {
       {"steps of 5 s with explicit_euler", "", refused("kinetic energy"),
        energy_error(of({}), {Scheme::explicit_euler, Stabilization::projection}, 1000, 5.0)},
   };
-  // [cases]
   stability.add_units(scene_in, {rk4, projected, feedback(1, 2), midpoint, adaptive}, 500, 0.01);
 
   stability.add_feedback(of({}), {.step = 1e-3, .nudge = 0.01});

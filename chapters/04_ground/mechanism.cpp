@@ -8,7 +8,6 @@ namespace ground {
 mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method& method) {
   mechanics::Mechanism mechanism(method);
   dynamics::System& system = mechanism.system;
-  // [scene]
   const auto plate = system.add_body("plate", scene.mass, scene.inertia(),
                                      {scene.offset_x, scene.offset_y}, scene.offset_theta);
   const auto plate_ground = system.add("plate_ground", joints::Ground{}, plate);
@@ -19,7 +18,6 @@ mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method&
                           F(0, scene.load_at(t));
     return Eigen::Vector3d(F.x(), F.y(), arm.x() * F.y() - arm.y() * F.x());
   });
-  // [scene]
   mechanism.report("plate_ground", plate_ground, plate);
   mechanism.start_as_given();
   return mechanism;

@@ -78,7 +78,6 @@ measure::Stability stability() {
   using namespace measure::usual;
 
   Stability stability;
-  // [cases]
   stability.cases = {
       {"held in its place for 1e5 steps", "place, m", accurate(1e-12),
        error(place, {}, rk4, 100000, 0.01)},
@@ -112,7 +111,6 @@ measure::Stability stability() {
          return motion.measures().constraint_error;
        }},
   };
-  // [cases]
   stability.add_units(scene_in,
                       {feedback(25, 10),
                        feedback(25, 10, Scheme::implicit_midpoint),

@@ -24,7 +24,6 @@ class FullMatrices {
     Jdot_v_ = lambda_ = VectorXd::Zero(2 * N);
   }
 
-  // [full_matrices]
   void acceleration(const VectorXd& q, const VectorXd& v, VectorXd& a) {
     for (std::size_t i = 0; i < rods_.size(); ++i) {
       const auto row = 2 * Eigen::Index(i), column = 3 * Eigen::Index(i);
@@ -49,7 +48,6 @@ class FullMatrices {
     a.noalias() += J_.transpose() * lambda_;
     a = W_.cwiseProduct(a);
   }
-  // [full_matrices]
 
  private:
   joints::Revolute pin_;

@@ -9,7 +9,6 @@
 
 namespace revolute {
 
-// [scene]
 template <class Joint>
 mechanics::Mechanism make_chain(const Scene& scene, const mechanics::Method& method) {
   mechanics::Mechanism mechanism(method);
@@ -34,7 +33,6 @@ mechanics::Mechanism make_chain(const Scene& scene, const mechanics::Method& met
   mechanism.assemble();
   return mechanism;
 }
-// [scene]
 
 inline mechanics::Mechanism make_mechanism(const Scene& scene,
                                            const mechanics::Method& method = {}) {

@@ -121,7 +121,6 @@ measure::Stability stability() {
   using namespace measure::usual;
 
   Stability stability;
-  // [cases]
   stability.cases = {
       {"a swing of 1e-6 rad", "place, m", accurate(1e-14),
        place({.angle0 = std::numbers::pi / 2 - 1e-6}, rk4, 2000, 0.002)},
@@ -203,7 +202,6 @@ measure::Stability stability() {
       {"steps of 0.5 s with explicit_euler", "", refused("kinetic energy"),
        energy_error(of({}), {Scheme::explicit_euler, Stabilization::projection}, 1000, 0.5)},
   };
-  // [cases]
   stability.add_units(scene_in, {rk4, projected, feedback(100, 20), midpoint, adaptive}, 100, 2e-3);
 
   stability.add_feedback(of({.links = 2}), {.step = 1e-5, .nudge = 1e-5});

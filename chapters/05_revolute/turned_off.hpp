@@ -4,7 +4,6 @@
 
 namespace revolute {
 
-// [without]
 /// A joint without J̇v: it holds its bodies as if none of them moved. A point of a turning body
 /// needs ω² |u| towards the centre of mass to stay on its circle, and this joint does not provide
 /// it.
@@ -19,6 +18,5 @@ struct WithoutJdotV : Joint {
     return rows;
   }
 };
-// [without]
 
 }  // namespace revolute

@@ -12,7 +12,6 @@ using Real = long double;
 /// (1 − e^−x)/x.
 Real fading(Real x) { return x == 0 ? 1 : -std::expm1(-x) / x; }
 
-// [oscillator]
 /// What an oscillator makes of a push, from rest at its place: u after one that gives it a unit of
 /// velocity, p after a steady one that gives it a unit of acceleration,
 ///
@@ -62,7 +61,6 @@ Exact exact_incline(const Scene& scene, double t) {
           -scene.mass * scene.gravity * std::cos(beta) * across(beta),
           0.0};
 }
-// [oscillator]
 
 /// The spinning rail, by what it conserves. About the pin the inertia is I(r) = Is + m r², with Is
 /// of rail and block about their own centres. Angular momentum gives ω = ω0 I(r0)/I(r), energy then

@@ -45,7 +45,6 @@ inline mechanics::Mechanism make_incline(const Scene& scene, const mechanics::Me
   return mechanism;
 }
 
-// [spin]
 /// The rail is a body: two bodies, a pin and a rail, four rows. Rail and block turn together.
 template <class Joint = joints::Prismatic>
 mechanics::Mechanism make_spin(const Scene& scene, const mechanics::Method& method = {}) {
@@ -63,7 +62,6 @@ mechanics::Mechanism make_spin(const Scene& scene, const mechanics::Method& meth
   mechanism.assemble();
   return mechanism;
 }
-// [spin]
 
 /// std::invalid_argument for what acts along the fixed rail only, on one that spins, and for the
 /// reverse.

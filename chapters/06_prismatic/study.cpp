@@ -81,7 +81,6 @@ measure::Start scene_in(const measure::Units& units) {
   return of(there);
 }
 
-// [stiff]
 /// Error against run time where the damper is a hundred thousand times faster than the motion: each
 /// method from 8 steps in 2 s up.
 void report_stiff(const Scene& scene, const measure::Quantity& quantity, std::size_t which,
@@ -134,7 +133,6 @@ void report_stiff_forces(const std::filesystem::path& out) {
                "step instead, and loses it only with some 1000 steps.",
                out);
 }
-// [stiff]
 
 }  // namespace
 
@@ -152,7 +150,6 @@ measure::Stability stability() {
   using namespace measure::usual;
 
   Stability stability;
-  // [cases]
   stability.cases = {
       {"a level rail: at rest for 1e5 steps", "place, m", accurate(1e-12),
        place({.incline = 0.0}, rk4, 100000, 1e-3)},
@@ -196,7 +193,6 @@ measure::Stability stability() {
       {"feedback past its limit: h√ks = 5", "", refused("kinetic energy"),
        energy_error(of({.spin = 5.0}), feedback(6.25e6, 5e3), 2000, 0.002)},
   };
-  // [cases]
   stability.add_units(scene_in, {rk4, projected, feedback(100, 20), midpoint, adaptive}, 100, 1e-3);
 
   // A stiff spring on the block: the limit of h √(k/m), for every stiffness the same.

@@ -37,7 +37,6 @@ mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method&
     return scene.without_jdotv ? system.add(name, revolute::WithoutJdotV(joint), first, second)
                                : system.add(name, joint, first, second);
   };
-  // [scene]
   const auto build = [&](auto frame) {
     const auto wheel =
         system.add_body("wheel", scene.wheel_mass, scene.wheel_inertia(), Vector2d::Zero(), theta);
@@ -56,7 +55,6 @@ mechanics::Mechanism make_mechanism(const Scene& scene, const mechanics::Method&
 
     system.set_gravity({0, scene.gravity});
     system.apply(wheel, {0, 0, scene.torque});
-    // [scene]
     if constexpr (std::is_same_v<decltype(frame), dynamics::Handle<dynamics::World>>) {
       // What does not move needs no coordinates. Its reaction is what the others leave it to carry:
       // its weight, the wheel's pin at its centre, and the slider's push on the rail at the

@@ -1,4 +1,3 @@
-// [squared]
 // What a matrix forgets when it is squared. Rod = crank, δ beside the pose in which J loses rank:
 // the same J, the same right side b, and three ways to the acceleration. Those of the slider are
 // known: s = 2 R cos θ, and θ̈ from the one equation of the machine.
@@ -47,4 +46,3 @@ int main() {
                 off(W.cwiseProduct(F) + orthogonal), off(e.a()));
   }
 }
-// [squared]

@@ -83,7 +83,6 @@ measure::Stability stability() {
   const Method dop853{integrators::Scheme::dop853, Stabilization::projection};
 
   Stability stability;
-  // [cases]
   stability.cases = {
       {"rod 0.31 m, crank 0.30 m: 13 half turns", "wheel angle, rad", accurate(1e-6),
        angle(close, projected, 7000, 1e-3)},
@@ -147,7 +146,6 @@ measure::Stability stability() {
       {"steps of 0.2 s with explicit_euler", "", refused("kinetic energy"),
        energy_error(of({}), {Scheme::explicit_euler, Stabilization::projection}, 200, 0.2)},
   };
-  // [cases]
   const auto scene_in = [](const Units& units) {
     return of(in_units({.theta0 = 1.0, .omega0 = 3.0}, units));
   };

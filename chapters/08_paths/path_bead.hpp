@@ -180,14 +180,12 @@ class BeadByParameter : public BeadOnWire<BeadByParameter> {
     last_ = path().last;
   }
 
-  // [by_parameter]
   void acceleration(double t, double q, double qdot, double& qddot) const {
     const auto [x, d, dd] = place({q, qdot});
     if (d.allFinite() && vanishes(d.norm())) no_equation(t, q);
     qddot = (d.dot(force(x, qdot * d)) / mass_ - d.dot(dd) * qdot * qdot) / d.squaredNorm();
     if (on({q, qdot}) == On::none) qddot = 0.0;
   }
-  // [by_parameter]
 
   Now now(double q, double qdot) const { return {q, qdot * place({q, qdot}).d.norm()}; }
 

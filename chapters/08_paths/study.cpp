@@ -281,7 +281,6 @@ measure::Stability stability() {
     });
   };
   Stability stability;
-  // [cases]
   stability.cases = {
       {"at rest at the bottom", "place, m", accurate(0.0),
        place(from("parameter", 0), rk4, 1000, 0.01)},
@@ -323,7 +322,6 @@ measure::Stability stability() {
       {"steps of 1 s with explicit_euler", "", refused(""),
        energy_error(start(from("length", 1.0)), {Scheme::explicit_euler}, 1000, 1.0)},
   };
-  // [cases]
   // RK4's stages beyond the cusp see a force that grows no more: above its limit a swing can go on
   // at a width of its own, of some 1 rad. Hence no more than 5 % of growth, and narrower starts.
   const auto plan = [&](const char* by, Scheme scheme, double theory_to, int differing,

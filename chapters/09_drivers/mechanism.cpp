@@ -12,11 +12,9 @@ mechanics::Mechanism make_mechanism(const slider_crank::Scene& machine, const Fu
   told.theta0 = start.f;
   told.omega0 = start.f_dot;
   slider_crank::Bodies all;
-  // [driver]
   mechanics::Mechanism mechanism = slider_crank::make_mechanism(told, method, &all);
   const auto driver = mechanism.system.add("wheel_driver", joints::Driver{f}, all.wheel);
   mechanism.report("wheel_driver", driver, all.wheel);
-  // [driver]
   if (bodies != nullptr) *bodies = all;
   return mechanism;
 }

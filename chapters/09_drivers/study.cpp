@@ -122,7 +122,6 @@ measure::Stability stability() {
   const Method euler{Scheme::explicit_euler, Stabilization::projection};
 
   Stability stability;
-  // [cases]
   stability.cases = {
       {"smooth: rk4, steps of 1 ms", "motor torque, N·m", accurate(1e-9),
        error(motor, {}, rk4, 500, 1e-3)},
@@ -186,7 +185,6 @@ measure::Stability stability() {
       {"feedback past its limit: h√ks = 10", "", refused("kinetic energy"),
        energy_error(of({}), feedback(1e8, 2e4), 2000, 1e-3)},
   };
-  // [cases]
   stability.add_units(scene_in, {rk4, projected, feedback(625, 50), midpoint, adaptive}, 100, 1e-3);
 
   stability.add_feedback(of({}), {.step = 1e-4, .nudge = 1e-3});

@@ -85,7 +85,6 @@ struct JointOf final : AnyJoint {
 
   JointOf(Joint j, Handle<First> f, Handle<Second> s) : joint(std::move(j)), first(f), second(s) {}
 
-  // [equation]
   [[gnu::flatten]] void equation(double t, const Things& things, const VectorXd& W,
                                  const VectorXd& F, const Equation& all,
                                  const JointPlace& place) const override {
@@ -106,7 +105,6 @@ struct JointOf final : AnyJoint {
     Block<r, r>{all.JWJt + place.K} = JWJt;
     write_C_and_J(rows, all, place);
   }
-  // [equation]
   [[gnu::flatten]] void constraint(double t, const Things& things, const VectorXd& v,
                                    const Equation& all, const JointPlace& place) const override {
     const Rows rows = rows_of(joint, t, things[first], things[second]);

@@ -22,7 +22,6 @@ class Rk4 {
  public:
   explicit Rk4(const Vector& like) : q_(like), v_(like), a_(like), v_sum_(like), a_sum_(like) {}
 
-  // [step]
   /// Moves q and v from t to t + h; `acceleration(t, q, v, a)` writes q̈ into a.
   template <class Acceleration>
   void step(Acceleration&& acceleration, double t, Vector& q, Vector& v, double h) {
@@ -53,7 +52,6 @@ class Rk4 {
       e.v += h / 6.0 * (e.a_sum + e.a_i);
     });
   }
-  // [step]
 
  private:
   /// The same entries of the state, of a stage, and of the sums.

@@ -208,7 +208,6 @@ class Motion final : public Simulation {
     intervals_since_anchor_ = steps_ = evaluations_ = 0;
   }
 
-  // [loop]
   void advance(long steps, double h) override {
     if (h != h_) anchor(h);
     const auto acceleration = [this](double t, const Vector& q, const Vector& v, Vector& a) {
@@ -232,7 +231,6 @@ class Motion final : public Simulation {
       }
     }
   }
-  // [loop]
 
   void nudge(double size) override {
     if constexpr (std::is_same_v<Vector, double>)

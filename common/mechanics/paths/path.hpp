@@ -149,7 +149,6 @@ inline Path projectile(const Vector2d& launch, double g, double last = 1000.0) {
           0.0, last};
 }
 
-// [bezier]
 /// Bézier curves, q from 0 to 1: from the first point towards the second, to the last.
 inline Place bezier(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d,
                     double q) {
@@ -158,7 +157,6 @@ inline Place bezier(const Vector2d& a, const Vector2d& b, const Vector2d& c, con
           3 * (p * p * (b - a) + 2 * p * q * (c - b) + q * q * (d - c)),
           6 * (p * (a - 2 * b + c) + q * (b - 2 * c + d))};
 }
-// [bezier]
 inline Path cubic(const Points& p) {
   check("cubic", p, 4, 4);
   return {[=](double q) { return bezier(p[0], p[1], p[2], p[3], q); }, 0.0, 1.0};
@@ -168,7 +166,6 @@ inline Path quadratic(const Points& p) {
   return cubic({p[0], (p[0] + 2 * p[1]) / 3, (2 * p[1] + p[2]) / 3, p[2]});
 }
 
-// [splines]
 /// Segments in a row, from each point to the next: q is the number of the segment and the part of
 /// it that is behind.
 template <class Segment>
@@ -225,7 +222,6 @@ inline Path catmull_rom(const Points& p) {
     tangents.push_back((p[std::min(i + 1, p.size() - 1)] - p[i == 0 ? 0 : i - 1]) / 2);
   return hermite_spline(p, tangents);
 }
-// [splines]
 
 /// A part of a sequence, and the q of the sequence at which it begins.
 struct Piece {
@@ -233,7 +229,6 @@ struct Piece {
   Path path;
 };
 
-// [sequence]
 /// Paths one after the other, q from 0 to 1 over all; a piece may be a sequence itself.
 inline Path sequence(const std::vector<Piece>& pieces) {
   if (pieces.empty()) throw std::invalid_argument("sequence: it has no piece");
@@ -277,6 +272,5 @@ inline Path sequence(const std::vector<Piece>& pieces) {
   whole.closed = meet(whole.formula(0.0).x, whole.formula(1.0).x, size);
   return whole;
 }
-// [sequence]
 
 }  // namespace paths

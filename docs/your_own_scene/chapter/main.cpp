@@ -12,7 +12,6 @@
 namespace four_bar {
 namespace {
 
-// [stage]
 draw::Point point(const Vector2d& x) { return {x.x(), x.y()}; }
 
 /// The scene in motion, to be drawn: what `snapshot` and `live` show.
@@ -59,7 +58,6 @@ class FourBarStage final : public pictures::MechanismStage<> {
 
   Scene scene_;
 };
-// [stage]
 
 }  // namespace
 }  // namespace four_bar
