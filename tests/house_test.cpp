@@ -65,7 +65,6 @@ TEST_CASE("the floors of common include only what stands below them") {
       {"mechanics/dynamics", {"mechanics/dynamics"}},
       {"mechanics/joints", {"mechanics/joints", "mechanics/dynamics"}},
       {"mechanics/forces", {"mechanics/forces", "mechanics/dynamics"}},
-      {"mechanics/eases", {"mechanics/eases", "mechanics/joints"}},
       {"mechanics/paths", {"mechanics/paths"}},
       {"mechanics/motion",
        {"mechanics/motion", "mechanics/integrators", "mechanics/joints", "mechanics/dynamics"}},

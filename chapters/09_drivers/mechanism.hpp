@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "07_slider_crank/mechanism.hpp"
-#include "mechanics/eases/ease.hpp"
+#include "ease.hpp"
 #include "scene.hpp"
 
 namespace drivers {
