@@ -13,11 +13,8 @@
 
 namespace paths {
 
-/// A path by the length s [m] along it from its beginning: s(q) = ∫ |x′| dq, and back.
-///
-/// The integral is taken by Gauss and Legendre's rule of eight points, from where the last of some
-/// places lies at which s is known. These are so close that the rule is good to rounding. q(s) is
-/// found by Newton's steps, ds/dq = |x′|, from the q that was found last.
+/// A path by the length s [m] along it from its beginning: s(q) = ∫ |x′| dq by Gauss and Legendre's
+/// rule of eight points, from a table fine enough for rounding, and q(s) by Newton's method.
 class ByLength {
  public:
   /// Throws std::invalid_argument where a piece has no length or an end of it no tangent.

@@ -9,7 +9,6 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace paths {
