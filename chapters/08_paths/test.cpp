@@ -195,7 +195,8 @@ TEST_CASE("how smooth a wire is decides the order, which is one more by length")
     INFO(found[i].wire << " by " << found[i].by);
     CHECK(found[i].order == Approx(expected[i]).margin(0.4));
   }
-  picture_check::compare("08_paths", "orders", draw::render({}, orders_picture(found).draw));
+  picture_check::compare("08_paths", "orders",
+                         draw::render({.captions = false}, orders_picture(found).draw));
 }
 
 TEST_CASE("a projectile on its own path feels no wire") {
