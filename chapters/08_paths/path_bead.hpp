@@ -133,8 +133,9 @@ class BeadOnWire {
   paths::Place place(const Now& now) const {
     return on(now) == On::behind ? path().behind(now.q) : path()(now.q);
   }
-  /// Of that piece; zero on none.
+  /// Of that piece; zero on none. A state that is no number has none either: the run stops by it.
   Vector2d tangent(const Now& now) const {
+    if (!std::isfinite(now.q)) return Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
     const On piece = on(now);
     if (piece == On::none) return Vector2d::Zero();
     return wire_.tangent(now.q, piece == On::behind);

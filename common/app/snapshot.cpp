@@ -185,11 +185,12 @@ void take(const Snapshot& snapshot, const Chapter& chapter, const measure::RunOp
   for (const double t : snapshot.at) {
     measure::RunOptions longer = run;
     longer.duration = std::max(run.duration, snapshot.at.back());
-    if (!ahead) ahead = run_ahead(snapshot.at.back(), chapter, longer, progress);
+    if (!ahead && snapshot.at.size() > 1)
+      ahead = run_ahead(snapshot.at.back(), chapter, longer, progress);
     progress.show(progress_after(pictures.size(), 2 * snapshot.at.size()),
                   fmt::format("simulated to {:g} s", t));
     std::unique_ptr<pictures::Stage> stage = chapter.stage(longer);
-    stage->show_as(*ahead);
+    if (ahead) stage->show_as(*ahead);
     pictures.push_back(picture_at(std::move(stage), t, show));
   }
   double done = 0.0;
