@@ -554,3 +554,19 @@ TEST_CASE("pictures can be drawn of every scene the options allow") {
 TEST_CASE("every stiff and extreme case ends as expected, and the map is that of theory") {
   check_stability(prismatic::stability());
 }
+
+TEST_CASE("J and Jdot v of the joint are the derivatives of C, wherever its points lie") {
+  const joints::Prismatic rail{
+      .u1 = {0.3, -0.2}, .u2 = {-0.4, 0.7}, .n_hat = {0.6, 0.8}, .theta21 = 0.5};
+  const Vector3d q[] = {{0.2, -1.1, 0.7}, {1.3, 0.4, -1.9}},
+                 v[] = {{0.5, -0.8, 1.7}, {-0.3, 0.9, 2.3}};
+  const auto body = [&](int i, double t) {
+    const Vector3d x = q[i] + t * v[i];
+    return Body{x.head<2>(), v[i].head<2>(), x[2], v[i][2], dynamics::rotation(x[2])};
+  };
+  const auto C = [&](double t) { return rail.rows(body(0, t), body(1, t)).C; };
+  const auto rows = rail.rows(body(0, 0), body(1, 0));
+  const double h = 1e-4;
+  CHECK((rows.J1 * v[0] + rows.J2 * v[1] - (C(h) - C(-h)) / (2 * h)).norm() < 1e-7);
+  CHECK((rows.Jdot_v - (C(h) - 2 * C(0) + C(-h)) / (h * h)).norm() < 1e-6);
+}
