@@ -30,8 +30,9 @@ struct Difference {
 Difference difference(const Image& expected, const Image& actual);
 
 /// For a window and a picture: OpenGL's driver fills triangles too, but rounds in its own way, a
-/// few steps of a channel where a shape ends between two pixels. Whatever a reader would see
-/// differs by far more: a bead moved by a pixel by 100 steps and more at its edge.
+/// few steps of a channel where a shape ends between two pixels, and a file has 128 colours. At
+/// 1800 times of five chapters a pixel differed by at most 38 and a window by 2.33. Whatever a
+/// reader would see differs by far more: a bead moved by a pixel by 100 steps and more at its edge.
 bool alike(const Image& expected, const Image& actual);
 
 /// With the picture in the snapshots of a chapter, pixel for pixel, as it would be stored. Where

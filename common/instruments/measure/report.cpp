@@ -22,21 +22,18 @@ std::string time_table(const Report& report) {
   files::Table table({fmt::format("time to reach, ms ({} error)", first.name)});
   for (const double level : error_levels)
     table.header().push_back(fmt::format("{:g} {}", level, first.unit));
-  std::vector<std::string> names = methods(report);
-  const auto price = [&](const std::string& name) {  // fastest first, by the hardest level reached
-    std::vector<double> times;
+  const std::vector<std::string> names = methods(report);
+  std::vector<std::pair<std::vector<double>, std::size_t>> fastest;  // by the hardest level reached
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    fastest.emplace_back(std::vector<double>{}, i);
     for (const double level : error_levels)
-      times.insert(times.begin(), time_to_reach(report, name, level));
-    return times;
-  };
-  std::stable_sort(names.begin(), names.end(),
-                   [&](const auto& a, const auto& b) { return price(a) < price(b); });
-  for (const std::string& name : names) {
-    files::Table::Row& row = table.add("  " + name);
-    for (const double level : error_levels) {
-      const double seconds = time_to_reach(report, name, level);
-      row.push_back(std::isfinite(seconds) ? files::digits(1e3 * seconds, 3) : "not reached");
-    }
+      fastest[i].first.insert(fastest[i].first.begin(), time_to_reach(report, names[i], level));
+  }
+  std::sort(fastest.begin(), fastest.end());
+  for (const auto& [times, i] : fastest) {
+    files::Table::Row& row = table.add("  " + names[i]);
+    for (auto seconds = times.rbegin(); seconds != times.rend(); ++seconds)
+      row.push_back(std::isfinite(*seconds) ? files::digits(1e3 * *seconds, 3) : "not reached");
   }
   return table.text({-34, 14, 14, 14});
 }
