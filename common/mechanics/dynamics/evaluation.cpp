@@ -164,12 +164,16 @@ Vector3d Evaluation::reaction(JointHandle joint, int column) const {
 }
 
 Vector3d Evaluation::reaction_of(const VectorXd& rows, int joint, int column) const {
+  const std::vector<Layout::JBlock>& blocks = layout_.J_blocks;  // joint by joint
   Vector3d reaction = Vector3d::Zero();
-  for (const Layout::JBlock& b : layout_.J_blocks)
-    if (b.joint == joint && b.column == column)
-      reaction.head(b.dof) =
-          Eigen::Map<const Eigen::MatrixXd>(J_.data() + b.J, b.r, b.dof).transpose() *
-          rows.segment(b.row, b.r);
+  for (auto b =
+           std::partition_point(blocks.begin(), blocks.end(),
+                                [&](const Layout::JBlock& block) { return block.joint < joint; });
+       b != blocks.end() && b->joint == joint; ++b)
+    if (b->column == column)
+      reaction.head(b->dof) =
+          Eigen::Map<const Eigen::MatrixXd>(J_.data() + b->J, b->r, b->dof).transpose() *
+          rows.segment(b->row, b->r);
   return reaction;
 }
 
