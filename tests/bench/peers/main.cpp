@@ -61,11 +61,13 @@ void compare(bool quick, const std::filesystem::path& out) {
       {"chain.csv", csv(report.machine, report.chain, "m")},
       {"slider_crank.txt", slider_crank},
       {"chain.txt", chain}};
-  files.emplace_back("slider_crank.png",
-                     draw::encode_png(draw::render({}, slider_crank_picture(report).draw)));
-  files.emplace_back("purpose.png",
-                     draw::encode_png(draw::render({}, purpose_picture(report).draw)));
-  files.emplace_back("chain.png", draw::encode_png(draw::render({}, chain_picture(report).draw)));
+  files.emplace_back(
+      "slider_crank.png",
+      draw::encode_png(draw::render({.captions = false}, slider_crank_picture(report).draw)));
+  files.emplace_back("purpose.png", draw::encode_png(draw::render({.captions = false},
+                                                                  purpose_picture(report).draw)));
+  files.emplace_back(
+      "chain.png", draw::encode_png(draw::render({.captions = false}, chain_picture(report).draw)));
   for (const auto& [name, content] : files) {
     files::write_file(out / name, content);
     fmt::print("{}\n", (out / name).string());

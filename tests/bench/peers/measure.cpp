@@ -127,6 +127,14 @@ void run_and_time(const Model& model, const Setting& setting, double allowed, Ro
   row.energy_error = row.joint_gap = 0;
 }
 
+/// Whether the joints of a run are open by less than a part is long: a step of a chain that lies in
+/// pieces costs this solver more, and is nobody's price.
+bool holds(const Model& model, const Row& row) {
+  double reach = 0;
+  for (const Part& part : model.parts) reach = std::max(reach, part.x.norm());
+  return row.joint_gap < reach / model.size();
+}
+
 constexpr auto not_at_all = [](const State&) {};
 
 /// The next value of a ladder: half the step, or half a digit more.
@@ -166,7 +174,7 @@ void climb(const Model& model, const Setting& setting, const Limits& limits, dou
   bool finished = false;
   double value = setting.first, seconds = 0;
   for (int i = 0; i < (setting.is_default ? 1 : limits.most_rungs); ++i) {
-    // A ladder that has not come to a run without failure yet may spend more.
+    // A ladder that has not come to a run that goes well yet may spend more.
     const double allowed = finished ? limits.run_seconds : limits.first_seconds;
     const double expected = setting.rung == Rung::step
                                 ? step * static_cast<double>(whole_steps(model, value))
@@ -189,7 +197,7 @@ void climb(const Model& model, const Setting& setting, const Limits& limits, dou
                  [&](const State& state) { look(model, state, row); });
     seconds = std::max(seconds, row.seconds);
     if (row.failure.empty()) {
-      finished = true;
+      finished = finished || holds(model, row);
       const double now = row.error.value_or(row.energy_error);
       since_least = now < 0.9 * least ? 0 : since_least + 1;
       least = std::min(least, now);

@@ -29,7 +29,7 @@ struct Row {
 /// What the ladders may spend.
 struct Limits {
   double run_seconds;    ///< on one run: a ladder ends before a rung that would take longer
-  double first_seconds;  ///< the same while no run of the ladder went well yet
+  double first_seconds;  ///< the same while no run of the ladder went well
   int most_rungs = 24;   ///< of one ladder
 };
 
