@@ -112,60 +112,59 @@ void draw_body(Canvas& canvas, const Pose& body, const Vector2d& u, const std::s
 /// A point of a body in the body's own frame and in the world's, and two bodies on one pin.
 Picture frames_picture() {
   const Vector2d u(0.3, 0.17);
-  return {"frames", [=](draw::Pen& pen) {
-            const draw::Rect content =
-                draw::page(pen, "A point of a body, and a pin that joins two",
-                           "Left in the body's own frame, in the middle in the world: r = x + A u. "
-                           "Right two bodies whose points coincide: r₁ = r₂.");
-            const double gap = 14.0, narrow = 0.25 * content.width,
-                         wide = 0.5 * (content.width - narrow) - gap;
-            const auto part = [&](double left, double width) {
-              return draw::Rect{content.left + left, content.top, width, content.height};
-            };
-            const auto heading = [&](Canvas& canvas, const draw::View& view, const char* text) {
-              canvas.label({view.left, view.top}, text, canvas.theme().ink, draw::Font::bold);
-            };
-            const auto vector = [](Canvas& canvas, const Vector2d& to, const std::string& name,
-                                   draw::Color color) {
-              canvas.arrow({0.0, 0.0}, point(to), color, name);
-            };
-            {
-              const draw::View view{-0.55, -0.55, 0.6, 0.6};
-              Canvas canvas(pen, part(0.0, narrow), view);
-              heading(canvas, view, "own frame");
-              draw_body(canvas, {{0.0, 0.0}, 0.0}, u, "u", true);
-              canvas.pin(point(u));
-            }
-            {
-              const draw::View view{-0.15, -0.25, 1.55, 1.5};
-              Canvas canvas(pen, part(narrow + gap, wide), view);
-              heading(canvas, view, "world");
-              const Pose body{{0.8, 0.75}, 0.55};
-              canvas.origin({0.0, 0.0});
-              draw_body(canvas, body, u, "A u", true);
-              vector(canvas, body.x, "x", canvas.theme().ink);
-              vector(canvas, body.x + body.turned(u), "r = x + A u", canvas.theme().applied_force);
-              const std::array level{point(body.x), point(body.x + Vector2d(0.62, 0.0))};
-              canvas.curve(level, canvas.theme().muted, 1.2, draw::Dash::dashed);
-              canvas.turn(point(body.x), 50.0, 0.0, body.theta, canvas.theme().muted, "θ");
-              canvas.pin(point(body.x + body.turned(u)));
-            }
-            const draw::View view{-0.15, -0.25, 1.55, 1.5};
-            Canvas canvas(pen, part(narrow + wide + 2.0 * gap, wide), view);
-            heading(canvas, view, "two bodies, one pin");
-            const Vector2d pin(0.74, 0.95), u2(-0.36, 0.05);
-            Pose first{{0.0, 0.0}, -0.6}, second{{0.0, 0.0}, -0.3};
-            first.x = pin - first.turned(u);
-            second.x = pin - second.turned(u2);
-            canvas.origin({0.0, 0.0});
-            draw_body(canvas, first, u, "A₁u₁", false);
-            draw_body(canvas, second, u2, "A₂u₂", false);
-            vector(canvas, first.x, "x₁", canvas.theme().ink);
-            vector(canvas, second.x, "x₂", canvas.theme().ink);
-            canvas.pin(point(pin));
-            canvas.label(point(pin), "r₁ = r₂", canvas.theme().applied_force, draw::Font::bold,
-                         draw::Align::left, {4.0, 44.0});
-          }};
+  return {
+      "frames", [=](draw::Pen& pen) {
+        const draw::Rect content =
+            draw::page(pen, "A point of a body, and a pin that joins two",
+                       "Left above in the body's own frame, below in the world: r = x + A u. "
+                       "Right two bodies whose points coincide: r₁ = r₂.");
+        const double gap = 14.0, half = 0.5 * (content.width - gap),
+                     low = 0.4 * (content.height - gap);
+        const auto heading = [&](Canvas& canvas, const draw::View& view, const char* text) {
+          canvas.label({view.left, view.top}, text, canvas.theme().ink, draw::Font::bold);
+        };
+        const auto vector = [](Canvas& canvas, const Vector2d& to, const std::string& name,
+                               draw::Color color) {
+          canvas.arrow({0.0, 0.0}, point(to), color, name);
+        };
+        {
+          const draw::View view{-0.55, -0.42, 0.6, 0.5};
+          Canvas canvas(pen, {content.left, content.top, half, low}, view);
+          heading(canvas, view, "own frame");
+          draw_body(canvas, {{0.0, 0.0}, 0.0}, u, "u", true);
+          canvas.pin(point(u));
+        }
+        {
+          const draw::View view{-0.15, -0.2, 1.55, 1.2};
+          Canvas canvas(
+              pen, {content.left, content.top + low + gap, half, content.height - low - gap}, view);
+          heading(canvas, view, "world");
+          const Pose body{{0.8, 0.75}, 0.55};
+          canvas.origin({0.0, 0.0});
+          draw_body(canvas, body, u, "A u", true);
+          vector(canvas, body.x, "x", canvas.theme().ink);
+          vector(canvas, body.x + body.turned(u), "r = x + A u", canvas.theme().applied_force);
+          const std::array level{point(body.x), point(body.x + Vector2d(0.62, 0.0))};
+          canvas.curve(level, canvas.theme().muted, 1.2, draw::Dash::dashed);
+          canvas.turn(point(body.x), 50.0, 0.0, body.theta, canvas.theme().muted, "θ");
+          canvas.pin(point(body.x + body.turned(u)));
+        }
+        const draw::View view{-0.15, -0.25, 1.55, 1.5};
+        Canvas canvas(pen, {content.left + half + gap, content.top, half, content.height}, view);
+        heading(canvas, view, "two bodies, one pin");
+        const Vector2d pin(0.74, 0.95), u2(-0.36, 0.05);
+        Pose first{{0.0, 0.0}, -0.6}, second{{0.0, 0.0}, -0.3};
+        first.x = pin - first.turned(u);
+        second.x = pin - second.turned(u2);
+        canvas.origin({0.0, 0.0});
+        draw_body(canvas, first, u, "A₁u₁", false);
+        draw_body(canvas, second, u2, "A₂u₂", false);
+        vector(canvas, first.x, "x₁", canvas.theme().ink);
+        vector(canvas, second.x, "x₂", canvas.theme().ink);
+        canvas.pin(point(pin));
+        canvas.label(point(pin), "r₁ = r₂", canvas.theme().applied_force, draw::Font::bold,
+                     draw::Align::left, {4.0, 44.0});
+      }};
 }
 
 Picture scene_picture(const Scene& given) {

@@ -399,7 +399,7 @@ class CrankStage final : public pictures::MechanismStage<> {
 };
 
 Picture turned_off_picture(Scene scene, const RunOptions& run) {
-  const RunOptions part{.duration = 0.5 * run.duration, .step = run.step};
+  const RunOptions part{.duration = 0.4 * run.duration, .step = run.step};
   std::array<std::unique_ptr<pictures::Stage>, 2> stages;
   std::array<double, 2> off;
   for (const std::size_t with : {0U, 1U}) {
@@ -414,7 +414,7 @@ Picture turned_off_picture(Scene scene, const RunOptions& run) {
       part.duration, pictures::figure(off[0]), pictures::figure(off[1]), part.step);
   return pictures::beside("turned_off", "Slider-crank: the velocity term of every joint",
                           std::move(stages[0]), "without the velocity term", std::move(stages[1]),
-                          "with it", part.duration, caption);
+                          "with it", part.duration, caption, {.forces = false});
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "app/chapter.hpp"
 #include "exact.hpp"
 #include "mechanism.hpp"
+#include "one_coordinate.hpp"
 
 namespace slider_crank {
 namespace {
@@ -215,6 +216,13 @@ int study(int argc, char** argv) {
                     .duration = 2.0,
                     .coarsest = 0.02,
                     .rungs = 14};
+  chapter.one_coordinate = {
+      measure::start_of([&scene](const Method&) { return OneCoordinate(scene); }),
+      [&scene](const mechanics::Row& row) {
+        return errors(scene, OneCoordinate(scene).columns(), row);
+      },
+      {{},
+       {.integrator = integrators::Scheme::dop853, .tolerance = mechanics::coarsest_tolerance}}};
 
   chapter.stability = slider_crank::stability;
 

@@ -52,6 +52,13 @@ struct Chapter {
 
   /// The methods, steps and duration of `report`.
   measure::Ladder ladder;
+  /// The scene in one coordinate, without its constraints, and the methods by which `report`
+  /// measures it beside the others; empty for a scene that has none.
+  struct {
+    measure::Start start;
+    measure::Errors errors;
+    std::vector<mechanics::Method> methods;
+  } one_coordinate;
   /// Said under its plot: why the curves end as they do.
   std::string remark = "Where a curve turns flat, rounding is all that is left.";
   /// What `report` measures besides: writes its files into the folder and prints their names.

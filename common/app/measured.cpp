@@ -70,8 +70,9 @@ void report_command(const Chapter& chapter, const Request& request) {
   ladder.duration = request.run.duration;
   ladder.coarsest = request.run.step;
   ladder.quantities = chapter.quantities;
-  if (request.integrator_given || request.stabilization || request.ks || request.kd)
-    ladder.methods = {request.run.method};
+  const bool one_method =
+      request.integrator_given || request.stabilization || request.ks || request.kd;
+  if (one_method) ladder.methods = {request.run.method};
   if (ladder.duration / ladder.coarsest > static_cast<double>(ladder.most_steps >> 7))
     throw UsageError(fmt::format(
         "--step {:g}: allowed is {:.3g} s or more, so that 8 halvings stay below {} steps",
@@ -82,9 +83,21 @@ void report_command(const Chapter& chapter, const Request& request) {
                          chapter.remark};
   {
     files::Progress progress;
-    report.rungs =
-        measure::climb(ladder, chapter.start, chapter.errors,
-                       [&](double done, const std::string& what) { progress.show(done, what); });
+    const auto& [start, errors, methods] = chapter.one_coordinate;
+    const double part = start && !one_method ? 0.9 : 1.0;
+    report.rungs = measure::climb(
+        ladder, chapter.start, chapter.errors,
+        [&](double done, const std::string& what) { progress.show(part * done, what); });
+    if (part < 1.0) {
+      ladder.methods = methods;
+      for (measure::Rung& rung :
+           measure::climb(ladder, start, errors, [&](double done, const std::string&what) {
+             progress.show(part + (1.0 - part) * done, measure::one_coordinate + what);
+           })) {
+        rung.method = measure::one_coordinate + rung.method;
+        report.rungs.push_back(rung);
+      }
+    }
   }
   fmt::print("{}", measure::table(report));
   const std::filesystem::path out(request.out);

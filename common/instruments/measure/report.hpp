@@ -8,6 +8,9 @@
 
 namespace measure {
 
+/// What the names of methods begin with that step a scene in one coordinate, without constraints.
+inline const std::string one_coordinate = "one coordinate: ";
+
 /// A measured ladder with the names of what was measured: what `report` prints, saves and draws.
 struct Report {
   std::string title;  ///< of the chapter

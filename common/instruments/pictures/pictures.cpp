@@ -13,6 +13,7 @@
 namespace pictures {
 
 std::string figure(double value, int digits) {
+  if (value < 0.0) return "−" + figure(-value, digits);
   std::string scientific = fmt::format("{:.{}e}", value, digits - 1);
   const std::size_t e = scientific.find('e');
   if (e == std::string::npos) return "too much";  // not finite
@@ -29,7 +30,8 @@ std::string figure(double value, int digits) {
 std::string rounded(double value, int decimals) {
   const double size = std::abs(value);
   const bool plain = value == 0.0 || (size >= 0.5 * std::pow(10.0, -decimals) && size < 1e4);
-  return plain ? fmt::format("{:.{}f}", value, decimals) : figure(value, 3);
+  if (!plain) return figure(value, 3);
+  return fmt::format("{}{:.{}f}", value < 0.0 ? "−" : "", size, decimals);
 }
 
 namespace {
@@ -48,8 +50,12 @@ std::optional<std::size_t> integrator_of(const std::string& label) {
 
 void set_look(draw::Curve& curve, const draw::Theme& theme, const std::string& method,
               std::size_t otherwise) {
-  const std::size_t which = integrator_of(method).value_or(otherwise);
+  const bool one = method.starts_with(measure::one_coordinate);
+  const std::size_t which =
+      integrator_of(one ? method.substr(measure::one_coordinate.size()) : method)
+          .value_or(otherwise);
   curve.color = theme.series[which % theme.series.size()];
+  if (one) curve.color = theme.ink, curve.dash = draw::Dash::dotted;
   curve.marker = which;
   if (method.find("feedback") != std::string::npos) curve.dash = draw::Dash::dotted;
   for (const char* dashed : {"projection", "parametric"})

@@ -232,7 +232,7 @@ void draw_page(draw::Pen& pen, Stage& stage, const Show& show) {
 
 Picture beside(std::string name, std::string title, std::unique_ptr<Stage> left,
                std::string left_name, std::unique_ptr<Stage> right, std::string right_name,
-               double t, std::string caption) {
+               double t, std::string caption, const Show& show) {
   for (Stage* stage : {left.get(), right.get()}) {
     try {
       stage->advance_to(t);
@@ -251,7 +251,7 @@ Picture beside(std::string name, std::string title, std::unique_ptr<Stage> left,
               const double x = content.left + static_cast<double>(i) * (width + gap);
               pen.text({x, content.top + 0.5 * line}, names[i],
                        i == 0 ? pen.theme().warning : pen.theme().ink, draw::Font::bold);
-              stages[i]->draw(pen, {x, content.top + line, width, content.height - line}, {});
+              stages[i]->draw(pen, {x, content.top + line, width, content.height - line}, show);
             }
           }};
 }

@@ -170,7 +170,7 @@ void draw_page(draw::Pen& pen, Stage& stage, const Show& show = {});
 /// forces: at time t [s].
 Picture beside(std::string name, std::string title, std::unique_ptr<Stage> left,
                std::string left_name, std::unique_ptr<Stage> right, std::string right_name,
-               double t, std::string caption);
+               double t, std::string caption, const Show& show = {});
 
 /// The scene at time t [s].
 Picture picture_at(std::unique_ptr<Stage> stage, double t, const Show& show = {});

@@ -64,34 +64,4 @@ class EightRows {
   slider_crank::Scene scene_;
 };
 
-/// The same machine by its one degree of freedom, as chapter 7 derives it for its exact answer:
-///
-///     μ θ̈ + ½ μ' θ̇² = τ + m2 g y'.
-///
-/// No constraint is left, and no joint force is found.
-class OneCoordinate {
- public:
-  explicit OneCoordinate(const slider_crank::Scene& scene) : scene_(scene) {}
-
-  void acceleration(double theta, double omega, double& a) const {
-    const double R = scene_.crank, L = scene_.rod;
-    const double s = std::sin(theta), c = std::cos(theta);
-    const double w = std::sqrt(L * L - R * R * s * s), w_1 = -R * R * s * c / w;  // w: L cos φ
-    const double w_2 = -(R * R * (c * c - s * s) + w_1 * w_1) / w;
-    const double slider_1 = -R * s + w_1, slider_2 = -R * c + w_2;
-    const double x_1 = -R * s + w_1 / 2, x_2 = -R * c + w_2 / 2;
-    const double y_1 = R * c / 2, y_2 = -R * s / 2;
-    const double phi_1 = -R * c / w, phi_2 = (R * s - phi_1 * w_1) / w;
-    const double m = scene_.rod_mass, I = scene_.rod_inertia(), slider = scene_.slider_mass;
-    const double mu = scene_.wheel_inertia() + m * (x_1 * x_1 + y_1 * y_1) + I * phi_1 * phi_1 +
-                      slider * slider_1 * slider_1;
-    const double half_mu_1 =
-        m * (x_1 * x_2 + y_1 * y_2) + I * phi_1 * phi_2 + slider * slider_1 * slider_2;
-    a = (scene_.torque + m * scene_.gravity * y_1 - half_mu_1 * omega * omega) / mu;
-  }
-
- private:
-  slider_crank::Scene scene_;
-};
-
 }  // namespace leave_it_out

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "07_slider_crank/one_coordinate.hpp"
 #include "allocations.hpp"
 #include "instruments/measure/clock.hpp"
 #include "leave_it_out/by_hand.hpp"
@@ -53,6 +54,13 @@ struct Blocks {
   }
 };
 
+struct Angle {
+  slider_crank::OneCoordinate machine{slider_crank::Scene{}};
+  void acceleration(double theta, double omega, double& a) const {
+    machine.acceleration(0.0, theta, omega, a);
+  }
+};
+
 enum class Projected { no, yes };
 
 Rung blocks(std::string name, mechanics::Mechanism mechanism, Projected projected = Projected::no) {
@@ -82,10 +90,9 @@ std::vector<Rung> by_hand() {
   const auto [q, v] = start(mechanism);
   const auto nothing = [](auto&...) {};
   return {
-      make_rung("the eight rows by hand, for this machine",
-                std::make_shared<EightRows>(slider_crank::Scene{}), q, v, 9, 8, nothing),
-      make_rung("one coordinate, by hand", std::make_shared<OneCoordinate>(slider_crank::Scene{}),
-                q[2], v[2], 1, 0, nothing)};
+      make_rung("the eight rows by hand", std::make_shared<EightRows>(slider_crank::Scene{}), q, v,
+                9, 8, nothing),
+      make_rung("one coordinate, by hand", std::make_shared<Angle>(), q[2], v[2], 1, 0, nothing)};
 }
 
 }  // namespace

@@ -168,7 +168,7 @@ TEST_CASE("an open joint of any scene is seen, a closed one shows nothing") {
 TEST_CASE("a number on a label is short, whatever it is") {
   CHECK(pictures::rounded(9.81) == "9.81");
   CHECK(pictures::rounded(0.0) == "0.00");
-  CHECK(pictures::rounded(-12.345, 1) == "-12.3");
+  CHECK(pictures::rounded(-12.345, 1) == "−12.3");
   CHECK(pictures::rounded(2262557168192917.5) == "2.26·10¹⁵");
   CHECK(pictures::rounded(1.5e-7) == "1.50·10⁻⁷");
   for (double x = 1e-300; x < 1e300; x *= 7.0) {
