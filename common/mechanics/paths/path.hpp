@@ -101,8 +101,8 @@ inline Path circle(double R) {
   return {.formula = formula, .first = -std::numbers::pi, .last = std::numbers::pi, .closed = true};
 }
 
-/// What a point of a wheel of radius R draws that rolls along the line y = 0 below it, from cusp to
-/// cusp: lowest at q = 0; q is the wheel's angle.
+/// What a point of a wheel of radius R draws that rolls along the line y = 0, hanging below it,
+/// from cusp to cusp: lowest at q = 0; q is the wheel's angle.
 inline Path cycloid(double R) {
   const auto formula = [=](double q) {
     const double c = std::cos(q), s = std::sin(q);
