@@ -12,6 +12,7 @@
 #include "main_check.hpp"
 #include "mechanics/joints/prismatic.hpp"
 #include "mechanism.hpp"
+#include "one_coordinate.hpp"
 #include "orders.hpp"
 #include "picture_check.hpp"
 #include "stability_check.hpp"
@@ -318,6 +319,33 @@ TEST_CASE("wheel angle, its rate and the joint forces converge with the order of
                      }) > 45);
   check_order({dop853}, 0.62, 13, start, errors);
   check_order({dop853, Stabilization::projection}, 0.6, 14, start, errors);
+}
+
+TEST_CASE("in one coordinate the machine moves and carries the same, and has the same energy") {
+  const Method dop853{.integrator = integrators::Scheme::dop853};
+  for (const Scene& scene : scenes) {
+    mechanics::Motion one(slider_crank::OneCoordinate(scene), dop853);
+    Motion all = motion(scene, dop853);
+    const mechanics::Measures start = one.measures(), start_of_all = all.measures();
+    for (int i = 0; i < 5; ++i) {
+      one.advance(200, 1e-3);
+      all.advance(200, 1e-3);
+      const mechanics::Row row = one.row();
+      const double turned = std::max(1.0, std::abs(row.state[1]));
+      const std::vector<double> errors = slider_crank::errors(scene, one.columns(), row);
+      INFO("torque " << scene.torque << ", t = " << row.t);
+      REQUIRE(errors.size() == 3);
+      CHECK(errors[0] < 1e-11 * turned);
+      CHECK(errors[1] < 1e-10 * turned);
+      CHECK(errors[2] < 1e-8 * turned * turned);
+      const mechanics::Measures now = one.measures(), now_of_all = all.measures();
+      CHECK(now.kinetic == Approx(now_of_all.kinetic).epsilon(1e-9));
+      CHECK(now.energy - start.energy ==
+            Approx(now_of_all.energy - start_of_all.energy).margin(1e-9 * now.kinetic));
+      CHECK(now.balance() == Approx(start.balance()).margin(1e-10 * now.kinetic));
+      CHECK(now.drive == Approx(now_of_all.drive));
+    }
+  }
 }
 
 TEST_CASE("rod = crank: through the dead centre on the branch of its momentum, energy kept") {
