@@ -171,8 +171,8 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
       "No stabilization, step {:g} s, {:g} s: explicit Euler reaches |C| = {} m², "
       "RK4 {} m², dop853 {} m².",
       run.step, run.duration, pictures::figure(drifts.front().largest_constraint_error),
-      pictures::figure(drifts[3].largest_constraint_error),
-      pictures::figure(drifts[4].largest_constraint_error));
+      pictures::figure(pictures::find(drifts, "rk4").largest_constraint_error),
+      pictures::figure(pictures::find(drifts, "dop853").largest_constraint_error));
   return pictures::drift_picture("drift", "A particle on a curve: how five methods leave it",
                                  caption, drifts, "m²");
 }

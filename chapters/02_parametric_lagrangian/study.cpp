@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "01_particle_on_curve_implicit/exact.hpp"
 #include "app/chapter.hpp"
@@ -114,7 +115,8 @@ measure::Stability stability() {
   }
 
   // Small swings are those of the test equation without damping, whatever their size.
-  constexpr double extents[] = {2.0, 3.0, 8.0, 4.0, 8.0};
+  constexpr double extents[] = {2.0, 3.0, 8.0, 4.0, 8.0};  // of the steps, for each integrator
+  static_assert(std::size(extents) == integrators::schemes.size());
   for (const auto& scheme : integrators::schemes)
     stability.plans.push_back({scheme.id, "h √(g/p)", "start x0/p",
                                extents[static_cast<std::size_t>(scheme.id)], 1.0,

@@ -297,7 +297,8 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
       "No stabilization, step {:g} s, {:g} s: explicit Euler reaches |C| = {} m², RK4 {} m², "
       "dop853 {} m².",
       run.step, run.duration, figure(drifts.front().largest_constraint_error),
-      figure(drifts[3].largest_constraint_error), figure(drifts[4].largest_constraint_error));
+      figure(pictures::find(drifts, "rk4").largest_constraint_error),
+      figure(pictures::find(drifts, "dop853").largest_constraint_error));
   return pictures::drift_picture("drift", "Two beads and a rod: how five methods let go", caption,
                                  drifts, "m²");
 }

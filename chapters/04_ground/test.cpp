@@ -1,4 +1,5 @@
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 
 #include "allocations.hpp"
@@ -114,8 +115,11 @@ TEST_CASE("position, angle and reaction converge with the order of the integrato
     return ground::errors(displaced, current, row);
   };
   std::vector<Method> methods = measure::every_integrator(Stabilization::feedback, 25.0, 10.0);
-  const Method eighth_order = methods.back();
-  methods.pop_back();
+  const auto dop853 = std::find_if(methods.begin(), methods.end(), [](const Method& method) {
+    return method.integrator == integrators::Scheme::dop853;
+  });
+  const Method eighth_order = *dop853;
+  methods.erase(dop853);
   CHECK(check_orders({.methods = methods, .duration = 0.5, .coarsest = 1.0 / 64, .rungs = 8}, start,
                      errors, [](const measure::Rung& rung, std::size_t k) {
                        return rung.errors[k] > 1e-12 && rung.step < 1.0 / 250;

@@ -77,7 +77,7 @@ inline mechanics::Mechanism make_mechanism(const Scene& scene,
                                       {"v0", scene.v0}})
     if (value != 0.0)
       throw std::invalid_argument(std::string(option) + " " + mechanics::in_digits(value, 6) +
-                                  ": allowed with --spin is only 0, it acts along the fixed rail");
+                                  ": allowed with --spin is only 0, it belongs to the fixed rail");
   return scene.without_coriolis ? make_spin<WithoutCoriolis>(scene, method)
                                 : make_spin(scene, method);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string_view>
 
 #include "app/chapter.hpp"
@@ -238,7 +239,10 @@ int study(int argc, char** argv) {
   Scene scene;
   // On the incline RK4 is exact, so `report` measures the spinning rail unless told otherwise.
   const auto fixes_the_rail = [](std::string_view argument) {
-    return argument.starts_with("--stiffness") || argument.starts_with("--damping");
+    constexpr std::string_view of_fixed_rail[] = {"--incline", "--gravity", "--stiffness",
+                                                  "--damping", "--s0",      "--v0"};
+    return std::any_of(std::begin(of_fixed_rail), std::end(of_fixed_rail),
+                       [&](std::string_view option) { return argument.starts_with(option); });
   };
   if (argc > 1 && std::string_view(argv[1]) == "report" &&
       std::none_of(argv + 2, argv + argc, fixes_the_rail))

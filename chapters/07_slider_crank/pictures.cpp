@@ -330,8 +330,8 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
       "No stabilization, step {:g} s, {:g} s: the joints open by {} m with explicit Euler, by {} m "
       "with RK4, by {} m with dop853.",
       run.step, run.duration, pictures::figure(drifts.front().largest_constraint_error),
-      pictures::figure(drifts[3].largest_constraint_error),
-      pictures::figure(drifts[4].largest_constraint_error));
+      pictures::figure(pictures::find(drifts, "rk4").largest_constraint_error),
+      pictures::figure(pictures::find(drifts, "dop853").largest_constraint_error));
   return pictures::drift_picture("drift", "Slider-crank: how five methods let the joints open",
                                  caption, drifts, "m");
 }

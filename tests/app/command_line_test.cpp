@@ -19,6 +19,7 @@
 
 #include "catch.hpp"
 #include "instruments/measure/clock.hpp"
+#include "instruments/measure/report.hpp"
 
 namespace fs = std::filesystem;
 
@@ -418,6 +419,22 @@ TEST_CASE("unusable arguments: one line that names them, exit status 2") {
   check_refused(wire + "line --q0 2", "--q0 2: allowed is a place on the wire, 0 to 1");
   check_refused(wire + "cycloid --q0 3.141592653589793", "--q0 3.14159: there x' = 0");
   check_refused(wire + "sequence --file none", "--file none: cannot be read");
+}
+
+TEST_CASE("report of chapter 6 measures the fixed rail where an option speaks of it") {
+  const Folder folder;
+  const auto first_error = [&](const std::string& options) {
+    const Result result =
+        shell(fmt::format("{} report --integrator rk4 --duration 0.4 --step 0.1 --out {} {}",
+                          program("06_prismatic"), folder.path.string(), options));
+    INFO(options << "\n" << result.err);
+    REQUIRE(result.status == 0);
+    return measure::read_csv(folder.path / "error_vs_time.csv").rungs.front().errors.at(0);
+  };
+  CHECK(first_error("") > 1e-6);  // that of the rail that turns
+  for (const char* options : {"--incline 20", "--gravity 3", "--s0 1", "--v0 1", "--damping 0"})
+    CHECK(first_error(options) < 1e-14);  // RK4 is exact there
+  CHECK(first_error("--spin 5 --gravity 3") > 1e-6);
 }
 
 TEST_CASE("a full disk: one line, exit status 1, nothing left under the name") {

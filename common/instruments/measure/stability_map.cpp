@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include "mechanics/integrators/amplification.hpp"
 #include "mechanics/motion/watch.hpp"
@@ -17,8 +18,8 @@ bool stable_in_theory(double growth) { return growth <= 1.0 + 1e-12; }
 struct Extent {
   double kd_h, ks_h2;
 };
-constexpr std::array<Extent, integrators::schemes.size()> extents{
-    {{5.0, 5.0}, {3.0, 5.0}, {20.0, 100.0}, {7.0, 11.0}, {16.0, 56.0}}};
+constexpr Extent extents[] = {{5.0, 5.0}, {3.0, 5.0}, {20.0, 100.0}, {7.0, 11.0}, {16.0, 56.0}};
+static_assert(std::size(extents) == integrators::schemes.size());
 
 mechanics::Method with_gains(integrators::Scheme name, double kd_h, double ks_h2, double h) {
   return {name, mechanics::Stabilization::feedback, ks_h2 / (h * h), kd_h / h};

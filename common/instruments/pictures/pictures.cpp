@@ -6,6 +6,8 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <stdexcept>
+#include <tuple>
 
 #include "instruments/draw/page.hpp"
 #include "instruments/measure/run.hpp"
@@ -47,6 +49,9 @@ std::optional<std::size_t> integrator_of(const std::string& label) {
 }
 
 }  // namespace
+
+// A colour for each integrator, and one for those that choose their own steps.
+static_assert(std::tuple_size_v<decltype(draw::Theme::series)> > integrators::schemes.size());
 
 void set_look(draw::Curve& curve, const draw::Theme& theme, const std::string& method,
               std::size_t otherwise) {
@@ -153,6 +158,12 @@ Drift drift(std::string label, mechanics::Simulation& simulation, double duratio
   } catch (const mechanics::Diverged&) {  // the curve ends where the run did
   }
   return result;
+}
+
+const Drift& find(const std::vector<Drift>& drifts, std::string_view label) {
+  for (const Drift& drift : drifts)
+    if (drift.label == label) return drift;
+  throw std::out_of_range(std::string(label) + ": no such drift");
 }
 
 Picture drift_picture(std::string name, const std::string& title, const std::string& caption,

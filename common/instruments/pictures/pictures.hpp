@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "instruments/draw/offscreen.hpp"
@@ -49,6 +50,9 @@ struct Drift {
 /// Runs the simulation from its start and watches every step. A run that diverges ends its curves
 /// there.
 Drift drift(std::string label, mechanics::Simulation& simulation, double duration, double step);
+
+/// That of a label; std::out_of_range where there is none.
+const Drift& find(const std::vector<Drift>& drifts, std::string_view label);
 
 /// One curve of each drift in two plots side by side: |C| and energy error, both logarithmic.
 Picture drift_picture(std::string name, const std::string& title, const std::string& caption,

@@ -101,6 +101,7 @@ Picture map_picture(const std::string& scene, const std::vector<measure::Map>& m
         for (std::size_t k = 0; k < maps.size(); ++k)
           draw::draw_plot(pen, place(k), panel(maps[k], theme));
         // The legend stands where a sixth plane would, or beside four.
+        static_assert(integrators::schemes.size() < 6);
         const draw::Rect beside{content.left + 2.0 * (width + gap), content.top, width, height};
         const draw::Rect legend = columns == 3 ? place(maps.size()) : beside;
         const double x = legend.left + 24.0, sample = 26.0;
