@@ -61,7 +61,8 @@ struct Chapter {
   } one_coordinate;
   /// Said under its plot: why the curves end as they do.
   std::string remark = "Where a curve turns flat, rounding is all that is left.";
-  /// What `report` measures besides: writes its files into the folder and prints their names.
+  /// What `report` of all methods measures besides: writes its files into the folder and prints
+  /// their names.
   std::function<void(const std::filesystem::path& out)> also_report;
   /// Sets what `report` needs where the reader has left it at its default.
   std::function<void()> before_report;

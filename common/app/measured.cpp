@@ -106,7 +106,7 @@ void report_command(const Chapter& chapter, const Request& request) {
   // Drawn from the file, digit for digit, as whoever draws it later will.
   write(out, pictures::error_picture(measure::read_csv(out / "error_vs_time.csv")),
         request.snapshot.page);
-  if (chapter.also_report) chapter.also_report(out);
+  if (chapter.also_report && !one_method) chapter.also_report(out);
 }
 
 void stability_command(const Chapter& chapter, const Request& request) {
