@@ -333,7 +333,7 @@ Picture drift_picture(const Scene& scene, const RunOptions& run) {
       pictures::figure(pictures::find(drifts, "rk4").largest_constraint_error),
       pictures::figure(pictures::find(drifts, "dop853").largest_constraint_error));
   return pictures::drift_picture("drift", "Slider-crank: how five methods let the joints open",
-                                 caption, drifts, "m");
+                                 caption, drifts, "m or rad");
 }
 
 Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
@@ -351,7 +351,7 @@ Picture stabilization_picture(const Scene& scene, const RunOptions& run) {
       step, pictures::figure(drifts[0].largest_constraint_error),
       pictures::figure(drifts[1].largest_constraint_error));
   return pictures::drift_picture("stabilization", "Slider-crank: three ways with the drift",
-                                 caption, drifts, "m");
+                                 caption, drifts, "m or rad");
 }
 
 class CrankStage final : public pictures::MechanismStage<> {

@@ -230,13 +230,15 @@ Picture orders_picture(const Scene& scene) {
                     {4, "order 4", {last.x, 1.8 * last.y}}};
   }
   const std::string caption = fmt::format(
-      "RK4, the jump of f″ always on a multiple of the step. With the finest the torque is off by "
-      "{} N·m where RK4 asks for f″ behind the jump, by {} N·m where the step ends before it. The "
+      "RK4, the jump of the acceleration always on a multiple of the step. With the finest the "
+      "torque is off by "
+      "{} N·m where RK4 asks for it behind the jump, by {} N·m where the step ends before it. The "
       "angle of the latter has no error at all, and no place on the left.",
       pictures::figure(jumped), pictures::figure(ended));
   return {"orders", [=](draw::Pen& pen) {
             const draw::Rect content = draw::page(
-                pen, "A jump of f″ makes a fourth-order method one of first order", caption);
+                pen, "A jump of the acceleration makes a fourth-order method one of first order",
+                caption);
             draw::Plot angle = left, torque = right;
             for (draw::Plot* plot : {&angle, &torque}) {
               plot->curves[0].color = pen.theme().series[1];

@@ -15,7 +15,7 @@
 namespace pictures {
 
 std::string figure(double value, int digits) {
-  if (value < 0.0) return "−" + figure(-value, digits);
+  if (value < 0.0 && std::isfinite(value)) return "−" + figure(-value, digits);
   std::string scientific = fmt::format("{:.{}e}", value, digits - 1);
   const std::size_t e = scientific.find('e');
   if (e == std::string::npos) return "too much";  // not finite
